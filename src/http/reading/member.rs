@@ -1,6 +1,6 @@
 //! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
-use super::{CellValue, Components, Faulted, Faults, Members, Object};
+use super::{CellValue, Components, Faulted, Faults};
 use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
@@ -47,34 +47,4 @@ pub(crate) trait PlainKind: Kind {
 
     /// The checked value; `None` if `plain` is faulty.
     fn accept(&self, plain: Self::Plain) -> Option<Self::Value>;
-}
-
-/// An object with a named schema, which all members of this kind share.
-pub(crate) trait WireObject {
-    /// The name of the schema.
-    const NAME: &'static str;
-    /// The description of the object.
-    const ABOUT: &'static str;
-    /// The object's members.
-    type Members: Members;
-    /// The checked value.
-    type Value;
-
-    /// The value that the members of the object at `path` describe.
-    fn build(members: Self::Members, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted>;
-}
-
-impl<T: WireObject> Kind for T {
-    type Value = T::Value;
-
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<T::Value, Faulted> {
-        Object::open(raw, path, faults)?.read(faults, |object, faults| {
-            let members = T::Members::read(object, faults);
-            T::build(members, &path, faults)
-        })
-    }
-
-    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer_object(T::NAME, about, T::ABOUT, &T::Members::describe)
-    }
 }

@@ -37,11 +37,13 @@ pub(crate) fn at_most_one<T>(one: Result<Option<T>, Faulted>, other: Result<Opti
 }
 
 /// Declares members and their struct:
-/// `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`, with
+/// `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`.
+/// `struct Name for Object ("Schema", "description") -> Value` declares also the kind of an object with these members,
+/// whose values `Name::build` makes of them, and whose schema has a name that all members of this kind share;
 /// `plain struct Name / Slots` for members of contacts in batches. A member that several structs share is
 /// declared in one of them.
 macro_rules! members {
-    ($(#[$doc:meta])* $vis:vis struct $name:ident {
+    ($(#[$doc:meta])* $vis:vis struct $name:ident $(for $object:ident ($schema:literal, $about_object:literal) -> $value:ty)? {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )*
     }) => {
         $($(
@@ -80,6 +82,28 @@ macro_rules! members {
                 }
             }
         };
+
+        $(
+            #[doc = $about_object]
+            $vis struct $object;
+
+            const _: () = {
+                use $crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object};
+                use $crate::json_text::{JsonPath, JsonText};
+
+                impl Kind for $object {
+                    type Value = $value;
+
+                    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<$value, Faulted> {
+                        Object::open(raw, path, faults)?.read(faults, |object, faults| $name::read(object, faults).build(&path, faults))
+                    }
+
+                    fn schema(&self, about: &str, components: &mut Components) -> utoipa::openapi::RefOr<utoipa::openapi::Schema> {
+                        components.refer_object($schema, about, $about_object, &$name::describe)
+                    }
+                }
+            };
+        )?
     };
     ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )+

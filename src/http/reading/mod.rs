@@ -19,7 +19,7 @@ pub(crate) use cut_out::{CutOut, Large, PlainColumns};
 pub(crate) use faults::{Fault, Faulted, Faults};
 pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use list::List;
-pub(crate) use member::{Kind, Member, PlainKind, WireObject};
+pub(crate) use member::{Kind, Member, PlainKind};
 pub(crate) use members::{Form, Members, at_most_one, members};
 pub(crate) use object::{Object, describe};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};

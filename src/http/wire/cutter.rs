@@ -1,9 +1,7 @@
 //! Toroidal, ball-end and flat-end cutters, discriminated by `type`.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{
-    AddMembers, Choice, Components, Faulted, Faults, Kind, Member, Members, Object, Quantity, Whole, WireObject, members,
-};
+use crate::http::reading::{AddMembers, Choice, Components, Faulted, Faults, Kind, Member, Members, Object, Quantity, Whole, members};
 use crate::json_text::{JsonPath, JsonText};
 use crate::milling::Cutter;
 use crate::quantity::Length;
@@ -36,7 +34,7 @@ const TYPE: Member<Choice<Type>> = Member::new(
 
 members! {
     /// The dimensions of a toroidal cutter.
-    pub(crate) struct ToroidalDimensions {
+    pub(crate) struct ToroidalDimensions for ToroidalCutter ("ToroidalDimensions", "The dimensions of a toroidal cutter: 0 < r < R") -> Cutter {
         diameter: required DIAMETER: Quantity<Length> = ("diameter_mm", Quantity::length(10.0), "cutting diameter 2R (ISO 13399: DC)"),
         corner_radius: required CORNER_RADIUS: Quantity<Length> = ("corner_radius_mm", Quantity::length(2.0),
             "corner radius r (ISO 13399: RE), under half the diameter"),
@@ -44,7 +42,7 @@ members! {
 }
 members! {
     /// The dimension of a ball-end or flat-end cutter.
-    pub(crate) struct DiameterOnly {
+    pub(crate) struct DiameterOnly for BallEndCutter ("BallEndDimensions", "The dimension of a ball-end cutter") -> Cutter {
         diameter: required DIAMETER: Quantity<Length>,
     }
 }
@@ -57,7 +55,7 @@ members! {
 }
 
 impl ToroidalDimensions {
-    fn cutter(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
+    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
         Cutter::toroidal(self.diameter?, self.corner_radius?)
             .map_err(|error| faults.add(&path.member(CORNER_RADIUS.name), RequestFault::CornerRadiusTooLarge, error))
     }
@@ -87,7 +85,7 @@ impl Kind for AnyCutter {
 pub(super) fn read_geometry(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
     let path = object.path();
     match object.required(&TYPE, faults) {
-        Ok(Type::Toroidal) => ToroidalDimensions::read(object, faults).cutter(&path, faults),
+        Ok(Type::Toroidal) => ToroidalDimensions::read(object, faults).build(&path, faults),
         Ok(Type::BallEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::ball_end),
         Ok(Type::FlatEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::flat_end),
         // Without a type, a corner radius can be neither missing nor unknown.
@@ -128,30 +126,8 @@ pub(super) fn kinds_schema(
     })
 }
 
-/// A toroidal cutter without `type`.
-pub(crate) struct ToroidalCutter;
-
-impl WireObject for ToroidalCutter {
-    const NAME: &'static str = "ToroidalDimensions";
-    const ABOUT: &'static str = "The dimensions of a toroidal cutter: 0 < r < R";
-    type Members = ToroidalDimensions;
-    type Value = Cutter;
-
-    fn build(members: ToroidalDimensions, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
-        members.cutter(path, faults)
-    }
-}
-
-/// A ball-end cutter without `type`.
-pub(crate) struct BallEndCutter;
-
-impl WireObject for BallEndCutter {
-    const NAME: &'static str = "BallEndDimensions";
-    const ABOUT: &'static str = "The dimension of a ball-end cutter";
-    type Members = DiameterOnly;
-    type Value = Cutter;
-
-    fn build(members: DiameterOnly, _: &JsonPath<'_>, _: &mut Faults) -> Result<Cutter, Faulted> {
-        members.diameter.map(Cutter::ball_end)
+impl DiameterOnly {
+    fn build(self, _: &JsonPath<'_>, _: &mut Faults) -> Result<Cutter, Faulted> {
+        self.diameter.map(Cutter::ball_end)
     }
 }

@@ -3,7 +3,7 @@
 use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
 use super::source::{Source, SurfaceWithSource};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{AddMembers, Components, Faulted, Faults, Kind, List, Member, Object, Whole, WireObject, each_raw, members};
+use crate::http::reading::{AddMembers, Components, Faulted, Faults, Kind, List, Member, Object, Whole, each_raw, members};
 use crate::json_text::{JsonPath, JsonText, read_triples};
 use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, ReceivedSurface, Sink};
 use utoipa::openapi::schema::ArrayBuilder;
@@ -241,24 +241,16 @@ impl Kind for Triangles {
 
 members! {
     /// The members of a Bezier patch.
-    pub(crate) struct BezierMembers {
+    pub(crate) struct BezierMembers for BezierKind ("BezierPatch", "A tensor-product Bezier patch") -> Bezier {
         control_points: required CONTROL_POINTS: Net = ("control_points", Net,
             "the rows of control points [x, y, z]: 2 to 20 rows of 2 to 20 points, all rows of the same length"),
     }
 }
 
-/// The control points of a patch.
-pub(crate) struct BezierKind;
-
-impl WireObject for BezierKind {
-    const NAME: &'static str = "BezierPatch";
-    const ABOUT: &'static str = "A tensor-product Bezier patch";
-    type Members = BezierMembers;
-    type Value = Bezier;
-
-    fn build(members: BezierMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Bezier, Faulted> {
+impl BezierMembers {
+    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Bezier, Faulted> {
         let path = path.member(CONTROL_POINTS.name);
-        Bezier::new(&members.control_points?).map_err(|error| match error {
+        Bezier::new(&self.control_points?).map_err(|error| match error {
             BezierError::RaggedRow { row, .. } => faults.add(&path.item(row), RequestFault::WrongCount, error),
             BezierError::Columns(_) => faults.add(&path.item(0), RequestFault::WrongCount, error),
             BezierError::Rows(_) => faults.add(&path, RequestFault::WrongCount, error),
