@@ -319,10 +319,8 @@ impl Part {
         table.value("model", &MODEL.kind.word(&shared.model));
         table.value("summary", &Summary { count: self.count, failures: self.failed, outside_analytic_range, extremes });
         for (figure, column) in selection.figures.iter().zip(self.columns) {
-            if selection.is_stated || figure.is_required_column() {
+            if selection.is_stated || figure.is_required_column() || column.has_value {
                 table.column(figure.name, column);
-            } else {
-                table.optional_column(figure.name, column);
             }
         }
         let failures: Vec<_> = self.failures.iter().filter_map(|(index, faults)| Failure::new(*index, faults)).collect();
