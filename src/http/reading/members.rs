@@ -37,11 +37,11 @@ pub(crate) fn at_most_one<T>(one: Result<Option<T>, Faulted>, other: Result<Opti
 }
 
 /// Declares members and their struct:
-/// `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`.
-/// `struct Name for Object ("Schema", "description") -> Value` declares also the kind of an object with these members,
-/// whose values `Name::build` makes of them, and whose schema has a name that all members of this kind share;
-/// `plain struct Name / Slots` for members of contacts in batches. A member that several structs share is
-/// declared in one of them.
+/// `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`. A member that several
+/// structs share is declared in one of them.
+/// - `struct Name for Object ("Schema", "description") -> Value` also declares the kind of an object with these members.
+///   `Name::build` makes its value of them; all members of this kind share its schema.
+/// - `plain struct Name / Slots` also declares the values in one pass, for members of contacts in batches.
 macro_rules! members {
     ($(#[$doc:meta])* $vis:vis struct $name:ident $(for $object:ident ($schema:literal, $about_object:literal) -> $value:ty)? {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )*
