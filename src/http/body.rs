@@ -56,9 +56,7 @@ pub(crate) struct WrittenJson {
 
 impl WrittenJson {
     pub(crate) fn of(answer: &impl Serialize) -> Result<Self, Problem> {
-        let mut text = Vec::with_capacity(USUAL_ANSWER);
-        let written = serde_json::to_writer(&mut text, answer);
-        written.map(|()| Self::in_pieces([text])).map_err(|error| not_written(&error))
+        Self::until(&CancelFlag::default(), answer)
     }
 
     /// The same for a large answer. Once `cancel` is set, writing ends early, and the result must be discarded.
@@ -66,8 +64,12 @@ impl WrittenJson {
         let mut text = Cancellable { text: Vec::with_capacity(USUAL_ANSWER), cancel };
         match serde_json::to_writer(&mut text, answer) {
             Ok(()) => Ok(Self::in_pieces([text.text])),
-            Err(_) if cancel.is_cancelled() => Err(Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)),
-            Err(error) => Err(not_written(&error)),
+            Err(error) => {
+                if !cancel.is_cancelled() {
+                    tracing::error!(%error, "an answer could not be written");
+                }
+                Err(Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR))
+            }
         }
     }
 
@@ -84,22 +86,6 @@ impl WrittenJson {
         self.reservation = Some(reservation);
         Ok(self)
     }
-
-    fn into_body(mut self) -> Body {
-        match self.pieces.pop_front() {
-            Some(only) if self.pieces.is_empty() && self.reservation.is_none() => Body::from(only),
-            Some(first) => {
-                self.pieces.push_front(first);
-                Body::new(self)
-            }
-            None => Body::empty(),
-        }
-    }
-}
-
-fn not_written(error: &serde_json::Error) -> Problem {
-    tracing::error!(%error, "an answer could not be written");
-    Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
 }
 
 /// A text whose writing fails once the flag is set.
@@ -155,7 +141,7 @@ impl HttpBody for WrittenJson {
 
 impl IntoResponse for WrittenJson {
     fn into_response(self) -> Response {
-        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], self.into_body()).into_response()
+        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], Body::new(self)).into_response()
     }
 }
 

@@ -56,20 +56,13 @@ fn append(collected: &mut Reserved<Vec<u8>>, data: &[u8], to_come: Option<u64>) 
         // The stated length limits the growth, but is not reserved at once: the client may send less.
         let known = to_come.and_then(|to_come| usize::try_from(to_come).ok()).map(|to_come| length.saturating_add(to_come));
         let doubled = (2 * length).max(FIRST_CAPACITY);
-        move_to(collected, known.map_or(doubled, |known| known.min(doubled)))?;
+        let capacity = known.map_or(doubled, |known| known.min(doubled));
+        // Both buffers are reserved while the bytes move from one to the other.
+        collected.reservation.grow(capacity as u64)?;
+        collected.bytes.reserve_exact(capacity - collected.bytes.len());
+        collected.reservation.shrink_to(capacity as u64);
     }
     collected.bytes.extend_from_slice(data);
-    Ok(())
-}
-
-/// Moves the bytes to a buffer of this capacity; both buffers are reserved meanwhile.
-fn move_to(collected: &mut Reserved<Vec<u8>>, capacity: usize) -> Result<(), BudgetExceeded> {
-    let before = collected.reservation.bytes();
-    collected.reservation.grow(capacity as u64)?;
-    let mut bytes = Vec::with_capacity(capacity);
-    bytes.extend_from_slice(&collected.bytes);
-    collected.bytes = bytes;
-    collected.reservation.shrink_to(collected.reservation.bytes() - before);
     Ok(())
 }
 

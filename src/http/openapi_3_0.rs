@@ -26,11 +26,22 @@ pub(super) fn converted(mut document: Value) -> Value {
     open_codes(&mut document);
     leave_out_forms(&mut document);
     unite_problems(&mut document);
-    for schema in members_mut(&mut document["components"]["schemas"]) {
-        convert(schema);
-    }
-    convert_inside(&mut document["paths"]);
+    convert_schemas(&mut document);
     document
+}
+
+/// Calls `change` for every object of the document, innermost first, except for those in examples. A schema's own
+/// members have other types than the descriptions of the members of the same name that it lists.
+fn each_object(value: &mut Value, change: &mut impl FnMut(&mut Map<String, Value>)) {
+    match value {
+        Value::Object(members) => {
+            let inside = members.iter_mut().filter(|(name, _)| !matches!(name.as_str(), "example" | "examples"));
+            inside.for_each(|(_, member)| each_object(member, change));
+            change(members);
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| each_object(item, change)),
+        _ => {}
+    }
 }
 
 fn members_mut(object: &mut Value) -> impl Iterator<Item = &mut Value> {
@@ -39,23 +50,6 @@ fn members_mut(object: &mut Value) -> impl Iterator<Item = &mut Value> {
 
 fn operations_mut(document: &mut Value) -> impl Iterator<Item = &mut Value> {
     members_mut(&mut document["paths"]).flat_map(members_mut)
-}
-
-/// Converts the schemas of parameters and bodies inside `value`.
-fn convert_inside(value: &mut Value) {
-    match value {
-        Value::Object(members) => {
-            for (name, member) in members {
-                match name.as_str() {
-                    "schema" => convert(member),
-                    "example" | "examples" => {}
-                    _ => convert_inside(member),
-                }
-            }
-        }
-        Value::Array(items) => items.iter_mut().for_each(convert_inside),
-        _ => {}
-    }
 }
 
 /// Removes the operations that take forms, and the schemas of the forms.
@@ -119,8 +113,13 @@ fn open_codes(document: &mut Value) {
         collect(document, &operation["parameters"], &mut sent);
     }
     let Some(schemas) = document["components"]["schemas"].as_object_mut() else { return };
+    let mut open = |members: &mut Map<String, Value>| {
+        if let Some(codes) = members.shift_remove("enum") {
+            members.insert("x-extensible-enum".to_owned(), codes);
+        }
+    };
     for (_, schema) in schemas.iter_mut().filter(|(name, _)| !sent.contains(name.as_str())) {
-        open(schema);
+        each_object(schema, &mut open);
     }
 }
 
@@ -144,42 +143,23 @@ fn collect(document: &Value, value: &Value, names: &mut BTreeSet<String>) {
     }
 }
 
-fn open(schema: &mut Value) {
-    if let Some(members) = schema.as_object_mut()
-        && let Some(codes) = members.shift_remove("enum")
-    {
-        members.insert("x-extensible-enum".to_owned(), codes);
-    }
-    schemas_in(schema).into_iter().for_each(open);
+/// Converts all schemas of `document`.
+fn convert_schemas(document: &mut Value) {
+    each_object(document, &mut bare_references);
+    each_object(document, &mut wrap_reference);
+    each_object(document, &mut convert);
 }
 
-/// The schemas inside a schema.
-fn schemas_in(schema: &mut Value) -> Vec<&mut Value> {
-    let mut found = Vec::new();
-    for (name, member) in schema.as_object_mut().into_iter().flatten() {
-        match name.as_str() {
-            "properties" => found.extend(members_mut(member)),
-            "items" => found.push(member),
-            "additionalProperties" if member.is_object() => found.push(member),
-            "oneOf" | "allOf" | "anyOf" => found.extend(member.as_array_mut().into_iter().flatten()),
-            _ => {}
-        }
-    }
-    found
-}
-
-/// Converts a schema and those inside it.
-fn convert(schema: &mut Value) {
-    let Some(members) = schema.as_object_mut() else { return };
-    describe_reference(members);
-    schemas_in(schema).into_iter().for_each(convert);
-    let Some(members) = schema.as_object_mut() else { return };
+fn convert(members: &mut Map<String, Value>) {
     replace_null(members);
     if let Some(value) = members.shift_remove("const") {
         members.insert("enum".to_owned(), json!([value]));
     }
-    if let Some(Value::Array(examples)) = members.shift_remove("examples") {
-        members.extend(examples.into_iter().next().map(|example| ("example".to_owned(), example)));
+    // The examples of a schema are an array, those of a response an object.
+    if let Some(Value::Array(examples)) = members.get_mut("examples") {
+        let first = examples.drain(..).next();
+        members.shift_remove("examples");
+        members.extend(first.map(|example| ("example".to_owned(), example)));
     }
     for (bound, exclusive) in [("minimum", "exclusiveMinimum"), ("maximum", "exclusiveMaximum")] {
         if let Some(limit) = members.get_mut(exclusive) {
@@ -191,9 +171,8 @@ fn convert(schema: &mut Value) {
     members.shift_remove("propertyNames");
 }
 
-/// Version 3.0 ignores members beside a reference, so the reference is wrapped. In a union the description is dropped
-/// instead, because generators would create another type for the wrapper.
-fn describe_reference(members: &mut Map<String, Value>) {
+/// Drops the descriptions of the references in a union: generators would create another type for a wrapped reference.
+fn bare_references(members: &mut Map<String, Value>) {
     for union in ["oneOf", "allOf", "anyOf"] {
         for form in members.get_mut(union).and_then(Value::as_array_mut).into_iter().flatten() {
             if let Some(reference) = form.get("$ref").cloned() {
@@ -201,6 +180,10 @@ fn describe_reference(members: &mut Map<String, Value>) {
             }
         }
     }
+}
+
+/// Version 3.0 ignores members beside a reference, so the reference is wrapped.
+fn wrap_reference(members: &mut Map<String, Value>) {
     if members.len() > 1
         && let Some(reference) = members.shift_remove("$ref")
     {
@@ -248,7 +231,7 @@ mod tests {
     }
 
     fn assert_becomes(mut schema: Value, expected: &Value) {
-        convert(&mut schema);
+        convert_schemas(&mut schema);
         assert_eq!(&schema, expected);
     }
 

@@ -11,43 +11,40 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use serde_json::{Map, Value};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use utoipa::openapi::schema::{ArrayBuilder, Discriminator, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{self, Ref, RefOr, ResponseBuilder, Schema};
 use utoipa::{IntoResponses, PartialSchema, ToSchema};
 
-/// The problem of a failed request, before it is written. Its content is boxed to keep `Result`s small.
+/// The problem of a failed request. Its content is boxed to keep `Result`s small.
 #[derive(Debug, Clone)]
-pub(crate) struct Problem(Box<Content>);
-
-#[derive(Debug, Clone)]
-struct Content {
-    status: StatusCode,
-    kind: ProblemType,
-    detail: Cow<'static, str>,
-    errors: Vec<Fault>,
-    figures: Vec<(ProblemFigure, f64)>,
-    not_ranked: Vec<NotRanked>,
-    retry_after_s: Option<u32>,
-}
+pub(crate) struct Problem(Box<ProblemBody>);
 
 impl Problem {
-    pub(crate) fn new(kind: ServiceProblem, detail: impl Into<Cow<'static, str>>) -> Self {
+    pub(crate) fn new(kind: ServiceProblem, detail: impl Into<String>) -> Self {
         Self::under(kind.status().unwrap_or(StatusCode::INTERNAL_SERVER_ERROR), kind.into(), detail)
     }
 
-    fn under(status: StatusCode, kind: ProblemType, detail: impl Into<Cow<'static, str>>) -> Self {
-        Self(Box::new(Content {
-            status,
+    fn under(status: StatusCode, kind: ProblemType, detail: impl Into<String>) -> Self {
+        Self(Box::new(ProblemBody {
             kind,
+            title: kind.entry().meaning,
+            status: status.as_u16(),
             detail: detail.into(),
+            instance: String::new(),
+            request_id: String::new(),
             errors: Vec::new(),
-            figures: Vec::new(),
             not_ranked: Vec::new(),
+            figures: Map::new(),
             retry_after_s: None,
         }))
+    }
+
+    /// The problem as JSON, in the answer to the request with this path and id.
+    pub(crate) fn written(self, instance: &str, request_id: &RequestId) -> Vec<u8> {
+        let body = ProblemBody { instance: instance.to_owned(), request_id: request_id.as_str().to_owned(), ..*self.0 };
+        serde_json::to_vec(&body).unwrap_or_else(|error| unreachable!("a problem can be written: {error}"))
     }
 
     /// A well-formed request that cannot be answered because of `faults`. If there is one fault and its code is a
@@ -67,7 +64,8 @@ impl Problem {
             FaultCode::RequestFault(_) | FaultCode::NoAnswerCode(_) => None,
         });
         let mut problem = Self::under(of_file.unwrap_or(StatusCode::UNPROCESSABLE_ENTITY), kind, detail);
-        (problem.0.errors, problem.0.figures) = (errors, figures);
+        problem.0.errors = errors;
+        problem.0.figures = figures.into_iter().map(|(figure, value)| (figure.name.to_owned(), value.into())).collect();
         problem
     }
 
@@ -127,7 +125,7 @@ impl std::error::Error for Problem {}
 
 impl IntoResponse for Problem {
     fn into_response(self) -> Response {
-        let mut response = self.0.status.into_response();
+        let mut response = StatusCode::from_u16(self.0.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR).into_response();
         if let Some(seconds) = self.0.retry_after_s {
             response.headers_mut().insert(header::RETRY_AFTER, seconds.into());
         }
@@ -145,33 +143,16 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
     if !status.is_client_error() && !status.is_server_error() {
         return response;
     }
-    let Problem(problem) = response.extensions_mut().remove::<Problem>().unwrap_or_else(|| Problem::of_status(status));
-    let body = ProblemBody {
-        kind: problem.kind,
-        title: problem.kind.entry().meaning,
-        status: status.as_u16(),
-        detail: problem.detail.into_owned(),
-        instance: instance.to_owned(),
-        request_id: request_id.as_str().to_owned(),
-        errors: problem.errors,
-        not_ranked: problem.not_ranked,
-        figures: problem.figures.into_iter().map(|(figure, value)| (figure.name().to_owned(), value.into())).collect(),
-    };
+    let problem = response.extensions_mut().remove::<Problem>().unwrap_or_else(|| Problem::of_status(status));
     let (mut parts, _) = response.into_parts();
     parts.headers.remove(header::CONTENT_LENGTH);
     parts.headers.remove(header::CONTENT_ENCODING);
     parts.headers.insert(header::CONTENT_TYPE, PROBLEM_JSON);
-    match serde_json::to_vec(&body) {
-        Ok(json) => Response::from_parts(parts, json.into()),
-        Err(error) => {
-            tracing::error!(%error, "a problem could not be written");
-            StatusCode::INTERNAL_SERVER_ERROR.into_response()
-        }
-    }
+    Response::from_parts(parts, problem.written(instance, request_id).into())
 }
 
 /// A problem (RFC 9457): the reason why a request failed.
-#[derive(Debug, Serialize, ToSchema)]
+#[derive(Debug, Clone, Serialize, ToSchema)]
 #[schema(as = Problem)]
 pub(crate) struct ProblemBody {
     #[serde(rename = "type")]
@@ -200,6 +181,10 @@ pub(crate) struct ProblemBody {
     #[serde(flatten)]
     #[schema(ignore)]
     figures: Map<String, Value>,
+    /// The value of the header `Retry-After`.
+    #[serde(skip)]
+    #[schema(ignore)]
+    retry_after_s: Option<u32>,
 }
 
 /// The problems that any operation with a JSON body can answer with, for the API document.
@@ -295,11 +280,10 @@ fn schema_of_types(types: &[&'static str], (always, sometimes): (&[ProblemFigure
     let kind = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(types.iter().copied()));
     let mut schema = ObjectBuilder::from(problem).property("type", kind);
     for figure in always.iter().chain(sometimes) {
-        let (name, about) = figure.entry();
-        let number = ObjectBuilder::new().schema_type(Type::Number).minimum(Some(0.0)).description(Some(about));
-        schema = schema.property(name, number);
+        let number = ObjectBuilder::new().schema_type(Type::Number).minimum(Some(0.0)).description(Some(figure.about));
+        schema = schema.property(figure.name, number);
     }
-    always.iter().fold(schema, |schema, figure| schema.required(figure.name()))
+    always.iter().fold(schema, |schema, figure| schema.required(figure.name))
 }
 
 /// The name in Pascal case of a name in kebab case.

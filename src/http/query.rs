@@ -21,6 +21,7 @@ pub(crate) struct Query {
 }
 
 /// A parameter, and the member of the JSON request that it sets.
+#[derive(Clone)]
 struct QueryMember {
     name: String,
     /// The names of the member and of the objects around it, outermost first.
@@ -158,9 +159,7 @@ fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) 
         let forms: Vec<_> = forms.iter().map(|form| members_of(form, named, path)).collect();
         let mut members: Vec<QueryMember> = Vec::new();
         let is_in_all = |path: &[String]| forms.iter().all(|form| form.iter().any(|member| member.path == path && member.is_required));
-        let required: Vec<_> = forms.iter().flatten().filter(|member| is_in_all(&member.path)).map(|member| member.path.clone()).collect();
-        for mut member in forms.into_iter().flatten() {
-            member.is_required = required.contains(&member.path);
+        for member in forms.iter().flatten() {
             match members.iter_mut().find(|known| known.path == member.path) {
                 // Each form has its own constant for `type`.
                 Some(known) => {
@@ -168,7 +167,7 @@ fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) 
                         words.extend(more.iter().filter(|word| !words.contains(word)).cloned().collect::<Vec<_>>());
                     }
                 }
-                None => members.push(member),
+                None => members.push(QueryMember { is_required: is_in_all(&member.path), ..member.clone() }),
             }
         }
         return members;

@@ -1,17 +1,13 @@
 //! Answers to request heads that cannot be parsed because they are malformed, too large or too slow. They reach no
 //! route, but have a request id, a problem, a log line and a count like other requests.
 
-use std::pin::pin;
 use std::sync::{Arc, LazyLock};
-use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
 use axum::http::StatusCode;
-use axum::response::IntoResponse;
-use http_body_util::BodyExt;
 
 use super::metrics::Metrics;
-use super::problem::describe_error;
+use super::problem::Problem;
 use super::request_id::RequestId;
 
 /// The labels of method and route in log and metrics.
@@ -23,7 +19,7 @@ pub(super) fn refuse(status: StatusCode, metrics: &Metrics) -> Vec<u8> {
     let id = RequestId::create();
     metrics.began();
     metrics.ended(UNREAD, &ROUTE, status.as_u16(), Duration::ZERO);
-    let body = problem(status, &id);
+    let body = Problem::of_status(status).written("", &id);
     // The memory for heads is used up at this moment only.
     let retry = if status == StatusCode::SERVICE_UNAVAILABLE { "retry-after: 1\r\n" } else { "" };
     let head = format!(
@@ -40,13 +36,4 @@ pub(super) fn refuse(status: StatusCode, metrics: &Metrics) -> Vec<u8> {
         "request"
     );
     [head.into_bytes(), body].concat()
-}
-
-fn problem(status: StatusCode, id: &RequestId) -> Vec<u8> {
-    let body = describe_error(status.into_response(), "", id).into_body();
-    // The body of a problem is one frame, which is always ready.
-    match pin!(body.collect()).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(Ok(collected)) => collected.to_bytes().to_vec(),
-        Poll::Ready(Err(_)) | Poll::Pending => Vec::new(),
-    }
 }

@@ -44,12 +44,7 @@ impl RouteClass {
 
 /// A set of routes, each with its class. The middleware accepts only this type, so every route has a class.
 #[derive(Default)]
-pub struct Routes(Vec<(RouteClass, Addition)>);
-
-enum Addition {
-    Documented(Box<UtoipaMethodRouter<AppState>>),
-    Nested(Router<AppState>),
-}
+pub struct Routes(Vec<(RouteClass, OpenApiRouter<AppState>)>);
 
 impl Routes {
     /// An empty set.
@@ -62,7 +57,7 @@ impl Routes {
     /// document.
     #[must_use]
     pub fn documented(self, class: RouteClass, operations: UtoipaMethodRouter<AppState>) -> Self {
-        self.add(class, Addition::Documented(Box::new(operations)))
+        self.add(class, OpenApiRouter::new().routes(operations))
     }
 
     /// Adds a path that the OpenAPI document leaves out.
@@ -74,7 +69,7 @@ impl Routes {
     /// Adds a library's router, all of whose routes have one class.
     #[must_use]
     pub fn nested(self, class: RouteClass, router: Router<AppState>) -> Self {
-        self.add(class, Addition::Nested(router))
+        self.add(class, router.into())
     }
 
     /// Adds the routes of another set.
@@ -86,32 +81,22 @@ impl Routes {
 
     /// The same set without the operations of one path.
     pub(crate) fn without(mut self, path: &str) -> Self {
-        self.0.retain(|(_, addition)| !matches!(addition, Addition::Documented(operations) if operations.1.paths.contains_key(path)));
+        self.0.retain(|(_, router)| !router.get_openapi().paths.paths.contains_key(path));
         self
     }
 
-    fn add(mut self, class: RouteClass, addition: Addition) -> Self {
-        self.0.push((class, addition));
+    fn add(mut self, class: RouteClass, router: OpenApiRouter<AppState>) -> Self {
+        self.0.push((class, router));
         self
     }
 
     /// `document` with the operations of these routes.
     pub(crate) fn openapi(self, document: OpenApi) -> OpenApi {
-        let add = |router: OpenApiRouter<AppState>, (_, addition)| match addition {
-            Addition::Documented(operations) => router.routes(*operations),
-            Addition::Nested(_) => router,
-        };
-        self.0.into_iter().fold(OpenApiRouter::with_openapi(document), add).into_openapi()
+        self.0.into_iter().fold(OpenApiRouter::with_openapi(document), |all, (_, router)| all.merge(router)).into_openapi()
     }
 
     /// A router of all routes, each inside the layers that `surround` adds for its class.
     pub(crate) fn into_router(self, surround: impl Fn(RouteClass, Router<AppState>) -> Router<AppState>) -> Router<AppState> {
-        self.0.into_iter().fold(Router::new(), |all, (class, addition)| {
-            let router = match addition {
-                Addition::Documented(operations) => OpenApiRouter::new().routes(*operations).into(),
-                Addition::Nested(router) => router,
-            };
-            all.merge(surround(class, router))
-        })
+        self.0.into_iter().fold(Router::new(), |all, (class, router)| all.merge(surround(class, router.into())))
     }
 }

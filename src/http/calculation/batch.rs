@@ -1,28 +1,25 @@
 //! Batch requests: many contacts in, one column for each figure out. Contacts are parsed and computed on all cores. A
 //! contact without an answer does not affect the others.
 
-use super::Calculation;
 use super::column::{Column, Table};
-use super::contacts::{Contacts, MOST_CONTACTS};
 use super::selection::Selection;
 use super::single::{self, warnings_schema};
+use super::{Calculation, Inputs};
 use crate::cancellation::CancelFlag;
 use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::{FaultCode, RequestFault};
 use crate::http::problem::Problem;
 use crate::http::reading::{Components, CutOut, Fault, Faulted, Faults, Kind, Large, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    BatchContact, CHECK_FIGURES, ColumnExtremes, ContactColumns, ContactParameters, Failure, Figures, Get, MODEL, SharedMembers,
-    SharedParameters, Summary, Warning, batch_contact_schemas, contact_columns_schema, no_answer,
+    BatchContact, CHECK_FIGURES, ContactParameters, Contacts, Failure, Figures, Get, InOrder, MODEL, SharedMembers, SharedParameters,
+    Summary, Warning, no_answer,
 };
 use crate::http::worker_pool::Work;
 use crate::json_text::{JsonPath, PlainJson, Unusual};
 use crate::milling::{EvaluatedPass, NoAnswer};
-use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
-use std::collections::BTreeMap;
+use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
+use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The number of contacts that one thread computes at a time. They take some tenths of a millisecond, so the cost of
@@ -45,7 +42,7 @@ const USUAL_CONTACT: usize = 46;
 
 /// The memory of a contact in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most
 /// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts sent as columns are
-/// stored as up to 15 numbers of 8 bytes.
+/// stored as up to 13 columns, with 8 bytes for each number and 16 for each array.
 const MEMORY_OF_A_CONTACT: usize = 660;
 
 /// The memory of the listed failures and of the rest of an answer.
@@ -54,7 +51,7 @@ const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
 /// Answers a request with many contacts, on worker threads and within the memory budget.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     // There is a comma between contacts, as objects or in a column.
-    let contacts = MOST_CONTACTS.min(memchr::memchr_iter(b',', body.json()).count() + 1);
+    let contacts = Contacts::MOST.min(memchr::memchr_iter(b',', body.json()).count() + 1);
     let memory = work.budget().reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
     work.run(move |cancel| compute::<C>(&body, cancel)?.holding(memory)).await?
 }
@@ -101,10 +98,7 @@ fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Res
     let path = root.member(CONTACTS);
     let whole = match cut.large() {
         Large::Rows(runs) => batch.compute_runs(&runs, path, cancel)?,
-        Large::Columns(columns) => {
-            let columns = ContactColumns::read_plain(columns, C::STATED, MOST_CONTACTS)?;
-            batch.compute_contacts(&Contacts::Columns(Box::new(columns)), path, cancel)
-        }
+        Large::Columns(columns) => batch.compute_contacts(&Contacts::of_plain(columns, C::STATED)?, path, cancel),
     };
     Some(whole.answer(&batch, cancel, &mut faults).map_err(|Faulted| Problem::faulty_request(faults)))
 }
@@ -117,7 +111,7 @@ struct Batch<C> {
     selection: Selection,
 }
 
-/// The results of a chunk of consecutive contacts.
+/// The results of a chunk of consecutive contacts. Indices are those in the chunk.
 struct Part {
     columns: Vec<Column>,
     /// The number of contacts.
@@ -145,18 +139,18 @@ impl<C: Calculation> Batch<C> {
     /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` if the general reader has
     /// to read them.
     fn compute_runs(&self, runs: &[&[u8]], path: JsonPath<'_>, cancel: &CancelFlag) -> Option<Part> {
-        let (parts, count) = (Parts::default(), AtomicUsize::new(0));
-        let compute = |(index, run): (usize, &&[u8])| {
+        let count = AtomicUsize::new(0);
+        let compute = |run: &&[u8]| {
             let part = self.compute_run(run, cancel)?;
-            let too_many = count.fetch_add(part.count, Ordering::Relaxed) + part.count > MOST_CONTACTS;
-            parts.insert(index, part);
-            if too_many { Err(Unusual) } else { Ok(()) }
+            let too_many = count.fetch_add(part.count, Ordering::Relaxed) + part.count > Contacts::MOST;
+            if too_many { Err(Unusual) } else { Ok(part) }
         };
-        runs.par_iter().enumerate().try_for_each(compute).ok()?;
-        Some(self.joined(parts, Some(path)))
+        let mut whole = runs.par_iter().map(compute).try_reduce(|| self.part(0), |all, next| Ok(all.followed_by(next))).ok()?;
+        whole.failures.iter_mut().for_each(|(index, faults)| prepend_location(faults, path.item(*index)));
+        Some(whole)
     }
 
-    /// Reads a run of contacts and computes them. Indices and paths are those in the run.
+    /// Reads a run of contacts and computes them. Paths are those in a contact.
     fn compute_run(&self, run: &[u8], cancel: &CancelFlag) -> Result<Part, Unusual> {
         let mut json = PlainJson::new(run);
         let mut part = self.part(run.len() / USUAL_CONTACT);
@@ -164,8 +158,7 @@ impl<C: Calculation> Batch<C> {
         while !cancel.is_cancelled() {
             let path = JsonPath::Root;
             let contact = BatchContact::read_next(&mut json, &self.defaults, path, &mut faults)?;
-            let index = part.count;
-            self.take_in(&mut part, index, &contact, path, &mut faults);
+            self.take_in(&mut part, &contact, path, &mut faults);
             if json.is_at_end() {
                 break;
             }
@@ -176,8 +169,7 @@ impl<C: Calculation> Batch<C> {
 
     /// Reads and computes contacts on all cores; the rest of a cancelled batch is left out.
     fn compute_contacts(&self, contacts: &Contacts<'_>, path: JsonPath<'_>, cancel: &CancelFlag) -> Part {
-        let parts = Parts::default();
-        (0..contacts.count().div_ceil(CHUNK)).into_par_iter().for_each(|chunk| {
+        let compute = |chunk: usize| {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
@@ -185,34 +177,28 @@ impl<C: Calculation> Batch<C> {
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, &self.defaults, path, &mut faults);
-                self.take_in(&mut part, index, &contact, path, &mut faults);
+                self.take_in(&mut part, &contact, path, &mut faults);
             }
-            parts.insert(chunk, part);
-        });
-        self.joined(parts, None)
+            part
+        };
+        let chunks = (0..contacts.count().div_ceil(CHUNK)).into_par_iter();
+        chunks.map(compute).reduce(|| self.part(0), Part::followed_by)
     }
 
-    /// Adds the contact `index` to a part: its figures, or its faults if it has no answer. `faults` are empty
+    /// Adds the next contact to a part: its figures, or its faults if it has no answer. `faults` are empty
     /// afterwards, for the next contact.
     #[inline]
-    fn take_in(&self, part: &mut Part, index: usize, contact: &Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
-        part.count += 1;
-        let is_computed = contact.as_ref().is_ok_and(|contact| self.compute_contact(part, index, contact, path, faults).is_ok());
+    fn take_in(&self, part: &mut Part, contact: &Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
+        let is_computed = contact.as_ref().is_ok_and(|contact| self.compute_contact(part, contact, path, faults).is_ok());
         if !is_computed {
-            part.fail(index, faults.take());
+            part.fail(faults.take());
         }
+        part.count += 1;
     }
 
     /// Computes a contact and adds its figures to a part.
     #[inline]
-    fn compute_contact(
-        &self,
-        part: &mut Part,
-        index: usize,
-        contact: &BatchContact,
-        path: JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<(), Faulted> {
+    fn compute_contact(&self, part: &mut Part, contact: &BatchContact, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
         let BatchContact { contact, parameters } = contact;
         let step_over = parameters.step_over(&path, faults)?;
         let member = self.calculation.step_over_member(parameters);
@@ -222,15 +208,15 @@ impl<C: Calculation> Batch<C> {
         // The results are borrowed: they are large, and each `?` would copy them.
         let evaluated = EvaluatedPass::new(self.shared.model, single::pass(&self.shared, contact, parameters)?);
         let pass = evaluated.as_ref().map_err(|cause| fail(*cause))?;
-        let inputs = single::inputs(&self.shared, pass, step_over, parameters, self.selection.heights)?;
-        let mut computed = inputs.and_then(|inputs| self.calculation.compute(&inputs));
+        let (feed_per_tooth, heights) = (parameters.feed_per_tooth()?, self.selection.heights);
+        let mut computed = self.calculation.compute(&Inputs { shared: &self.shared, pass, step_over, feed_per_tooth, heights });
         let figures = computed.as_mut().map_err(|cause| fail(*cause))?;
         if self.selection.is_compared {
             let check = single::compare(pass, figures);
             part.outside_range += usize::from(single::is_outside_range(&check));
             figures.check = check.ok();
         }
-        part.add(index, figures, pass, &self.selection);
+        part.add(figures, pass, &self.selection);
         Ok(())
     }
 
@@ -239,39 +225,20 @@ impl<C: Calculation> Batch<C> {
         let columns = self.selection.figures.iter().map(|_| Column::with_capacity(count)).collect();
         Part { columns, count: 0, failed: 0, failures: Vec::new(), outside_range: 0, warnings: Vec::new() }
     }
-
-    /// All parts in order. Where `path` is given, their indices and paths are those in the part.
-    fn joined(&self, parts: Parts, path: Option<JsonPath<'_>>) -> Part {
-        let mut whole = self.part(0);
-        for mut part in parts.0.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
-            if let Some(path) = path {
-                part.shift(whole.count, path);
-            }
-            whole.append(part);
-        }
-        whole
-    }
 }
 
-/// The completed parts, in order by the number with which each is inserted.
-#[derive(Default)]
-struct Parts(Mutex<BTreeMap<usize, Part>>);
-
-impl Parts {
-    /// Adds a part. If earlier parts already have as many failures as are listed, the failures of this part are dropped
-    /// to save memory.
-    fn insert(&self, number: usize, mut part: Part) {
-        let mut parts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let earlier: usize = parts.range(..number).map(|(_, part)| part.failures.len()).sum();
-        if earlier >= MOST_FAILURES {
-            part.failures = Vec::new();
-        }
-        parts.insert(number, part);
+/// Puts the location of a contact before the pointers of its faults.
+fn prepend_location(faults: &mut [Fault], contact: JsonPath<'_>) {
+    let contact = contact.to_string();
+    // The entry that counts further faults has no place.
+    for fault in faults.iter_mut().filter(|fault| fault.code != FaultCode::from(RequestFault::FurtherFaults)) {
+        fault.pointer.insert_str(0, &contact);
     }
 }
 
 impl Part {
-    fn add(&mut self, index: usize, figures: &Figures, pass: &EvaluatedPass, selection: &Selection) {
+    fn add(&mut self, figures: &Figures, pass: &EvaluatedPass, selection: &Selection) {
+        let index = self.count;
         for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
             match figure.get {
                 Get::Number(get) => column.push_number(index, get(figures).map(|number| selection.rounded(number))),
@@ -287,44 +254,35 @@ impl Part {
         }
     }
 
-    fn fail(&mut self, index: usize, faults: Faults) {
-        self.columns.iter_mut().for_each(|column| column.push_number(index, None));
+    fn fail(&mut self, faults: Faults) {
+        self.columns.iter_mut().for_each(|column| column.push_number(self.count, None));
         self.failed += 1;
         if self.failures.len() < MOST_FAILURES {
-            self.failures.push((index, faults.into_listed()));
+            self.failures.push((self.count, faults.into_listed()));
         }
     }
 
-    /// Moves the contacts of a part whose indices and paths are those in the part to the place `first` of the array at
-    /// `path`.
-    fn shift(&mut self, first: usize, path: JsonPath<'_>) {
-        self.columns.iter_mut().for_each(|column| column.shift(first));
-        for (index, faults) in &mut self.failures {
-            *index += first;
-            let path = path.item(*index).to_string();
-            // The entry that counts further faults has no place.
-            for fault in faults.iter_mut().filter(|fault| fault.code != FaultCode::from(RequestFault::FurtherFaults)) {
-                fault.pointer.insert_str(0, &path);
-            }
+    /// This part and the one after it. Failures beyond those that are listed are dropped to save memory.
+    fn followed_by(mut self, mut next: Self) -> Self {
+        for (column, mut next) in self.columns.iter_mut().zip(next.columns) {
+            next.shift(self.count);
+            column.append(next);
         }
-        for index in self.warnings.iter_mut().filter_map(|warning| warning.first_index.as_mut()) {
-            *index += first;
-        }
-    }
-
-    fn append(&mut self, next: Self) {
-        self.count += next.count;
-        self.columns.iter_mut().zip(next.columns).for_each(|(column, next)| column.append(next));
-        self.failed += next.failed;
         let listed = MOST_FAILURES - self.failures.len();
-        self.failures.extend(next.failures.into_iter().take(listed));
-        self.outside_range += next.outside_range;
+        self.failures.extend(next.failures.into_iter().take(listed).map(|(index, faults)| (self.count + index, faults)));
+        for warning in &mut next.warnings {
+            warning.first_index = warning.first_index.map(|index| self.count + index);
+        }
         for warning in next.warnings {
             match self.warnings.iter_mut().find(|known| known.code == warning.code) {
                 Some(known) => known.contacts = known.contacts.zip(warning.contacts).map(|(a, b)| a + b),
                 None => self.warnings.push(warning),
             }
         }
+        self.count += next.count;
+        self.failed += next.failed;
+        self.outside_range += next.outside_range;
+        self
     }
 
     /// The answer, or the faults if no contact has one.
@@ -355,16 +313,14 @@ impl Part {
     fn written<C>(self, batch: &Batch<C>) -> WrittenJson {
         let Batch { shared, selection, .. } = batch;
         let named = || selection.figures.iter().zip(&self.columns);
-        let extremes = ColumnExtremes(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
+        let extremes = InOrder(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
         let outside_analytic_range = selection.is_compared.then_some(self.outside_range);
         let mut table = Table::default();
         table.value("model", &MODEL.kind.word(&shared.model));
         table.value("summary", &Summary { count: self.count, failures: self.failed, outside_analytic_range, extremes });
         for (figure, column) in selection.figures.iter().zip(self.columns) {
-            if selection.is_stated || figure.is_required_column() {
+            if selection.is_stated || figure.is_required_column() || column.has_value {
                 table.column(figure.name, column);
-            } else {
-                table.optional_column(figure.name, column);
             }
         }
         let failures: Vec<_> = self.failures.iter().filter_map(|(index, faults)| Failure::new(*index, faults)).collect();
@@ -376,11 +332,7 @@ impl Part {
 
 /// The schema of a request with many contacts.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
-    let contact = batch_contact_schemas(C::STATED, components);
-    let rows = ArrayBuilder::new().items(contact).max_items(Some(MOST_CONTACTS)).description(Some("an object for each contact"));
-    let columns = contact_columns_schema(C::STATED, MOST_CONTACTS, components);
-    let contacts = OneOfBuilder::new().item(rows).item(columns);
-    let contacts = contacts.description(Some("the contacts of the tool path, in their order: an array of objects or an object of columns"));
+    let contacts = Contacts::schema(C::STATED, components);
     let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
     let schema = ObjectSchema::new(about, components).with::<SharedMembers>();
     let schema = ContactParameters::describe(schema, C::STATED).with::<C::Members>();

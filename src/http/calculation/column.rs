@@ -11,7 +11,8 @@ pub(crate) struct Column {
     /// The pieces before the last one, each with the comma after it.
     pieces: Vec<Vec<u8>>,
     rows: Vec<u8>,
-    has_value: bool,
+    /// Whether a row is not null.
+    pub(crate) has_value: bool,
     minimum: Option<Extreme>,
     maximum: Option<Extreme>,
 }
@@ -119,13 +120,6 @@ impl Table {
         self.text.push(b']');
     }
 
-    /// Adds a column unless all its rows are null.
-    pub(crate) fn optional_column(&mut self, name: &'static str, column: Column) {
-        if column.has_value {
-            self.column(name, column);
-        }
-    }
-
     /// The whole object.
     pub(crate) fn written(mut self) -> WrittenJson {
         self.text.push(b'}');
@@ -180,13 +174,10 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn an_optional_column_of_nulls_is_absent() {
+    async fn a_column_of_nulls_has_no_value() {
+        assert!(!column(0, &[None]).has_value && column(0, &[None, Some(2.0)]).has_value);
         let mut table = Table::default();
-        table.optional_column("feed_rate_mm_min", column(0, &[None]));
         table.column("heights", Column::default());
         assert_eq!(text(table).await, r#"{"heights":[]}"#);
-        table = Table::default();
-        table.optional_column("feed_rate_mm_min", column(0, &[None, Some(2.0)]));
-        assert_eq!(text(table).await, r#"{"feed_rate_mm_min":[null,2.0]}"#);
     }
 }

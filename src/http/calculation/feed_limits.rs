@@ -6,23 +6,20 @@ use crate::http::wire::{CUTTER, Figure, SharedParameters, TEETH};
 use crate::json_text::JsonPath;
 use crate::quantity::{Length, OutOfRange};
 
-pub(super) const SPINDLE_SPEED: Member<Quantity<f64>> = Member {
-    name: "spindle_speed_rpm",
-    about: "spindle speed n; with the cutter's teeth, the answer has the feed rate",
-    kind: Quantity::new(|rpm| OutOfRange::check(rpm, 1.0, 1e6), 10_000.0),
-};
+pub(super) const SPINDLE_SPEED: Member<Quantity<f64>> = Member::new(
+    "spindle_speed_rpm",
+    "spindle speed n; with the cutter's teeth, the answer has the feed rate",
+    Quantity::new(|rpm| OutOfRange::check(rpm, 1.0, 1e6), 10_000.0),
+);
 
-pub(super) const MAX_FEED_PER_TOOTH: Member<Quantity<Length>> = Member {
-    name: "max_feed_per_tooth_mm",
-    about: "the largest feed per tooth that the cutter's manufacturer allows",
-    kind: Quantity::length(0.35),
-};
+pub(super) const MAX_FEED_PER_TOOTH: Member<Quantity<Length>> =
+    Member::new("max_feed_per_tooth_mm", "the largest feed per tooth that the cutter's manufacturer allows", Quantity::length(0.35));
 
-pub(super) const MAX_FEED_RATE: Member<Quantity<f64>> = Member {
-    name: "max_feed_rate_mm_min",
-    about: "the largest feed rate of the machine; needs spindle_speed_rpm and the cutter's teeth",
-    kind: Quantity::new(|mm_min| OutOfRange::check(mm_min, 1e-3, 1e7), 15_000.0),
-};
+pub(super) const MAX_FEED_RATE: Member<Quantity<f64>> = Member::new(
+    "max_feed_rate_mm_min",
+    "the largest feed rate of the machine; needs spindle_speed_rpm and the cutter's teeth",
+    Quantity::new(|mm_min| OutOfRange::check(mm_min, 1e-3, 1e7), 15_000.0),
+);
 
 pub(super) const FEED_RATE: Figure = Figure::number("feed_rate_mm_min", "the feed rate f_z z n", |figures| figures.feed_rate_mm_min)
     .only("if the cutter's teeth and the spindle speed are given");

@@ -55,7 +55,7 @@ impl Calculation for MaxFeed {
 
     fn compute(&self, inputs: &Inputs<'_>) -> Result<Figures, NoAnswer> {
         let &Inputs { shared, pass, heights, .. } = inputs;
-        let step_over = inputs.stated_step_over();
+        let step_over = inputs.stated_step_over()?;
         let by_machine = self.limits.by_machine(shared);
         let stated = [(self.limits.per_tooth, Limit::MaxFeedPerTooth), (by_machine, Limit::MaxFeedRate)];
         let stated = stated.into_iter().filter_map(|(limit, by)| Some((limit?, by))).reduce(|a, b| if b.0 < a.0 { b } else { a });

@@ -4,7 +4,6 @@
 
 mod batch;
 mod column;
-mod contacts;
 pub(crate) mod cutting_parameters;
 mod feed_limits;
 pub(crate) mod max_feed;
@@ -18,24 +17,25 @@ use operations::Texts;
 
 use super::reading::{Faulted, Faults, Members};
 use super::wire::{ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters};
-use crate::milling::{EvaluatedPass, NoAnswer};
+use crate::milling::{EvaluatedPass, NoAnswer, StepOver};
 use crate::quantity::Length;
 
 /// The inputs of a calculation at a contact.
 pub(crate) struct Inputs<'a> {
     shared: &'a SharedParameters,
     pass: &'a EvaluatedPass,
-    /// The step-over along the surface; `None` if the request states none.
-    step_over: Option<Length>,
+    /// `None` if the request states none.
+    step_over: Option<StepOver>,
     feed_per_tooth: Option<Length>,
     /// The heights that the figures must have at least.
     heights: Heights,
 }
 
 impl Inputs<'_> {
-    /// The step-over of a calculation whose requests state one.
-    fn stated_step_over(&self) -> Length {
-        self.step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"))
+    /// The step-over along the surface, for a calculation whose requests state one.
+    fn stated_step_over(&self) -> Result<Length, NoAnswer> {
+        let stated = self.step_over.unwrap_or_else(|| unreachable!("a request of this calculation states a step-over"));
+        stated.along_surface(self.pass.pass().contact)
     }
 }
 

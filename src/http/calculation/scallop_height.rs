@@ -33,6 +33,6 @@ impl Calculation for ScallopHeight {
     fn compute(&self, inputs: &Inputs<'_>) -> Result<Figures, NoAnswer> {
         // A contact without a height has no answer, whichever figures are named.
         let heights = inputs.heights.max(Heights::Total);
-        Figures::at(inputs.pass, inputs.stated_step_over(), inputs.feed_per_tooth, heights, None)
+        Figures::at(inputs.pass, inputs.stated_step_over()?, inputs.feed_per_tooth, heights, None)
     }
 }

@@ -9,11 +9,11 @@ use crate::numerics::rounding::to_digits;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-const SIGNIFICANT_DIGITS: Member<Whole> = Member {
-    name: "significant_digits",
-    about: "the significant digits to which numbers are rounded; absent = all",
-    kind: Whole { minimum: 3, maximum: 17, example: 6 },
-};
+const SIGNIFICANT_DIGITS: Member<Whole> = Member::new(
+    "significant_digits",
+    "the significant digits to which numbers are rounded; absent = all",
+    Whole { minimum: 3, maximum: 17, example: 6 },
+);
 
 /// The names of figures, each at most once.
 struct ColumnNames {
@@ -23,7 +23,7 @@ struct ColumnNames {
 fn columns<C: Calculation>() -> Member<ColumnNames> {
     let known = C::figures().chain(CHECK_FIGURES).collect();
     let about = "the columns of the answer; absent = all except envelope_scallop_height_mm and deviation, which must be named";
-    Member { name: "columns", about, kind: ColumnNames { known } }
+    Member::new("columns", about, ColumnNames { known })
 }
 
 impl ColumnNames {
@@ -38,7 +38,7 @@ impl Kind for ColumnNames {
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         // A list without repetitions has at most as many items as there are names. Further items are read only to
         // report their faults.
-        let names = items(raw, 2 * self.known.len(), path, faults)?;
+        let names = items(raw, "an array", 2 * self.known.len(), path, faults)?;
         if names.is_empty() {
             return Err(faults.add(&path, RequestFault::WrongCount, "name at least one column, or leave the field out"));
         }

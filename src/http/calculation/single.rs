@@ -7,43 +7,15 @@ use crate::http::problem::Problem;
 use crate::http::query::Query;
 use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    CONTACT, Check, ContactParameters, Figures, Heights, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, no_answer,
+    CONTACT, Check, ContactParameters, Figures, Heights, InOrder, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, no_answer,
 };
 use crate::http::worker_pool::Work;
-use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass, StepOver};
-use serde::ser::{Serialize, SerializeMap, Serializer};
-use std::marker::PhantomData;
+use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass};
+use serde_json::{Value, json};
 use std::num::NonZeroU32;
 use std::sync::Arc;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
-
-/// The answer for one contact.
-struct Answer<C> {
-    model: Model,
-    figures: Figures,
-    check: Option<Check>,
-    warnings: Vec<Warning>,
-    calculation: PhantomData<C>,
-}
-
-impl<C: Calculation> Serialize for Answer<C> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("model", MODEL.kind.word(&self.model))?;
-        for figure in C::figures() {
-            let value = figure.value(&self.figures);
-            if value.is_some() || figure.is_required() {
-                map.serialize_entry(figure.name, &value)?;
-            }
-        }
-        if let Some(check) = &self.check {
-            map.serialize_entry("check", check)?;
-        }
-        map.serialize_entry("warnings", &self.warnings)?;
-        map.end()
-    }
-}
 
 /// The schema of an answer for one contact.
 pub(super) fn describe_answer<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
@@ -96,7 +68,7 @@ fn may_state_curvature(request: &[u8], escape: u8) -> bool {
 }
 
 /// Reads a request and computes its answer. Its parts without faults are evaluated to find further faults.
-fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Answer<C>, Faulted> {
+fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<InOrder<Value>, Faulted> {
     let path = object.path();
     let shared = SharedParameters::read(object, faults);
     let contact = object.required(&CONTACT, faults);
@@ -109,12 +81,19 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let pass = EvaluatedPass::new(shared.model, pass(&shared, &contact, &parameters)?);
     let pass = pass.map_err(|cause| faults.push(fault(cause, parameters.step_over_member())))?;
     let calculation = calculation?;
-    let inputs = inputs(&shared, &pass, step_over?, &parameters, Heights::Parts)?;
-    let figures = inputs.and_then(|inputs| calculation.compute(&inputs));
-    let figures = figures.map_err(|cause| faults.push(fault(cause, calculation.step_over_member(&parameters))))?;
+    let feed_per_tooth = parameters.feed_per_tooth()?;
+    let inputs = Inputs { shared: &shared, pass: &pass, step_over: step_over?, feed_per_tooth, heights: Heights::Parts };
+    let figures = calculation.compute(&inputs).map_err(|cause| faults.push(fault(cause, calculation.step_over_member(&parameters))))?;
     let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
     let check = check(&pass, &figures, &mut warnings);
-    Ok(Answer { model: shared.model, figures, check, warnings, calculation: PhantomData })
+    let mut answer = vec![("model", MODEL.kind.word(&shared.model).into())];
+    answer.extend(C::figures().filter_map(|figure| {
+        let value = figure.value(&figures);
+        (value.is_some() || figure.is_required()).then(|| (figure.name, value.into()))
+    }));
+    answer.extend(check.map(|check| ("check", json!(check))));
+    answer.push(("warnings", json!(warnings)));
+    Ok(InOrder(answer))
 }
 
 /// The pass that a request describes at a contact.
@@ -127,21 +106,6 @@ pub(super) fn pass(shared: &SharedParameters, contact: &StatedContact, parameter
         runout: shared.runout,
         teeth: shared.tool.teeth.and_then(NonZeroU32::new),
     })
-}
-
-/// The inputs of a calculation whose figures have at least `heights`. The outer error is a fault that is already recorded;
-/// the inner error is not recorded yet.
-#[inline]
-pub(super) fn inputs<'a>(
-    shared: &'a SharedParameters,
-    pass: &'a EvaluatedPass,
-    step_over: Option<StepOver>,
-    parameters: &ContactParameters,
-    heights: Heights,
-) -> Result<Result<Inputs<'a>, NoAnswer>, Faulted> {
-    let feed_per_tooth = parameters.feed_per_tooth()?;
-    let along = step_over.map(|step_over| step_over.along_surface(pass.pass().contact)).transpose();
-    Ok(along.map(|step_over| Inputs { shared, pass, step_over, feed_per_tooth, heights }))
 }
 
 /// The deviation below which the analytic model is outside its range: 5 % below the height by the cutter's exact shape.

@@ -3,6 +3,7 @@
 
 use super::codes;
 use crate::milling::NoAnswer;
+use crate::quantity::Length;
 
 codes! {
     /// A reason why a contact or a surface has no answer.
@@ -22,57 +23,41 @@ codes! {
 
 /// A figure in mm that a problem has as a member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ProblemFigure {
-    /// The height that the step-over alone leaves.
-    StepOverHeight,
-    /// The step-over whose scallop height is the tolerance.
-    MaxStepOver,
-    /// The step-over at which the passes just meet.
-    LargestStepOver,
-    /// The smallest concave radius into which the cutter fits.
-    SmallestRadius,
-    /// The height that the tooth marks alone leave.
-    FeedHeight,
+pub(crate) struct ProblemFigure {
+    /// The member's name on the wire.
+    pub(crate) name: &'static str,
+    pub(crate) about: &'static str,
 }
 
-impl ProblemFigure {
-    /// The member's name on the wire, and what it is.
-    pub(crate) fn entry(self) -> (&'static str, &'static str) {
-        match self {
-            Self::StepOverHeight => ("step_over_height_mm", "h1, the height that the step-over alone leaves"),
-            Self::MaxStepOver => (
-                "max_step_over_mm",
-                "the step-over whose height is the tolerance; a smaller one leaves room for tooth marks, and for runout if there is any",
-            ),
-            Self::LargestStepOver => (
-                "largest_step_over_mm",
-                "the largest step-over at which the passes, and the tooth marks if there is a feed, meet; on a curved surface up to 1 % less; absent if it is the feed that has no limit",
-            ),
-            Self::SmallestRadius => (
-                "smallest_radius_mm",
-                "the smallest concave radius of the surface into which the cutter fits, if both principal curvatures are scaled alike; up to 1 % too large where the cutter gouges away from the contact; absent if it gouges at any radius",
-            ),
-            Self::FeedHeight => {
-                ("feed_height_mm", "the height that the tooth marks leave with the smallest step-over; at least the tolerance")
-            }
-        }
-    }
+const STEP_OVER_HEIGHT: ProblemFigure = figure("step_over_height_mm", "h1, the height that the step-over alone leaves");
+const MAX_STEP_OVER: ProblemFigure = figure(
+    "max_step_over_mm",
+    "the step-over whose height is the tolerance; a smaller one leaves room for tooth marks, and for runout if there is any",
+);
+const LARGEST_STEP_OVER: ProblemFigure = figure(
+    "largest_step_over_mm",
+    "the largest step-over at which the passes, and the tooth marks if there is a feed, meet; on a curved surface up to 1 % less; absent if it is the feed that has no limit",
+);
+const SMALLEST_RADIUS: ProblemFigure = figure(
+    "smallest_radius_mm",
+    "the smallest concave radius of the surface into which the cutter fits, if both principal curvatures are scaled alike; up to 1 % too large where the cutter gouges away from the contact; absent if it gouges at any radius",
+);
+const FEED_HEIGHT: ProblemFigure =
+    figure("feed_height_mm", "the height that the tooth marks leave with the smallest step-over; at least the tolerance");
 
-    /// The member's name on the wire.
-    pub(crate) fn name(self) -> &'static str {
-        self.entry().0
-    }
+const fn figure(name: &'static str, about: &'static str) -> ProblemFigure {
+    ProblemFigure { name, about }
 }
 
 impl NoAnswerCode {
     /// The figures of a problem of this type: those that are always present, and those that may be absent.
     pub(crate) fn figures(self) -> (&'static [ProblemFigure], &'static [ProblemFigure]) {
         match self {
-            Self::ToleranceExceeded => (&[ProblemFigure::StepOverHeight, ProblemFigure::MaxStepOver], &[]),
-            Self::PassesDoNotOverlap => (&[ProblemFigure::LargestStepOver], &[]),
-            Self::ToleranceSetsNoLimit => (&[], &[ProblemFigure::LargestStepOver]),
-            Self::Gouging => (&[], &[ProblemFigure::SmallestRadius]),
-            Self::ToleranceExceededByFeed => (&[ProblemFigure::FeedHeight], &[]),
+            Self::ToleranceExceeded => (&[STEP_OVER_HEIGHT, MAX_STEP_OVER], &[]),
+            Self::PassesDoNotOverlap => (&[LARGEST_STEP_OVER], &[]),
+            Self::ToleranceSetsNoLimit => (&[], &[LARGEST_STEP_OVER]),
+            Self::Gouging => (&[], &[SMALLEST_RADIUS]),
+            Self::ToleranceExceededByFeed => (&[FEED_HEIGHT], &[]),
             Self::FlatFloor
             | Self::MarksDoNotOverlap
             | Self::SharpEdge
@@ -83,27 +68,24 @@ impl NoAnswerCode {
 
     /// The code of `cause`, with its figures in mm.
     pub(crate) fn of(cause: NoAnswer) -> (Self, Vec<(ProblemFigure, f64)>) {
+        let one = |figure, length: Length| vec![(figure, length.mm())];
         match cause {
             NoAnswer::FlatFloor => (Self::FlatFloor, Vec::new()),
-            NoAnswer::PassesDoNotOverlap { largest_step_over } => {
-                (Self::PassesDoNotOverlap, vec![(ProblemFigure::LargestStepOver, largest_step_over.mm())])
-            }
+            NoAnswer::PassesDoNotOverlap { largest_step_over } => (Self::PassesDoNotOverlap, one(LARGEST_STEP_OVER, largest_step_over)),
             NoAnswer::MarksDoNotOverlap { largest_mark_spacing: _ } => (Self::MarksDoNotOverlap, Vec::new()),
             NoAnswer::Gouges { smallest_radius } => {
-                (Self::Gouging, smallest_radius.map(|radius| (ProblemFigure::SmallestRadius, radius.mm())).into_iter().collect())
+                (Self::Gouging, smallest_radius.map_or(Vec::new(), |radius| one(SMALLEST_RADIUS, radius)))
             }
             NoAnswer::SharpEdge => (Self::SharpEdge, Vec::new()),
             NoAnswer::PassesCoincideFromAbove => (Self::PassesCoincideFromAbove, Vec::new()),
-            NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over } => (
-                Self::ToleranceExceeded,
-                vec![(ProblemFigure::StepOverHeight, step_over_height.mm()), (ProblemFigure::MaxStepOver, max_step_over.mm())],
-            ),
-            NoAnswer::FeedUsesUpTolerance { feed_height } => {
-                (Self::ToleranceExceededByFeed, vec![(ProblemFigure::FeedHeight, feed_height.mm())])
+            NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over } => {
+                let figures = vec![(STEP_OVER_HEIGHT, step_over_height.mm()), (MAX_STEP_OVER, max_step_over.mm())];
+                (Self::ToleranceExceeded, figures)
             }
+            NoAnswer::FeedUsesUpTolerance { feed_height } => (Self::ToleranceExceededByFeed, one(FEED_HEIGHT, feed_height)),
             NoAnswer::RunoutUsesUpTolerance => (Self::ToleranceExceededByRunout, Vec::new()),
             NoAnswer::ToleranceLimitsNoStepOver { largest_step_over } => {
-                (Self::ToleranceSetsNoLimit, vec![(ProblemFigure::LargestStepOver, largest_step_over.mm())])
+                (Self::ToleranceSetsNoLimit, one(LARGEST_STEP_OVER, largest_step_over))
             }
             NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: _ } => (Self::ToleranceSetsNoLimit, Vec::new()),
         }
@@ -113,7 +95,6 @@ impl NoAnswerCode {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::quantity::Length;
 
     #[test]
     fn every_cause_carries_the_figures_that_its_code_documents() {

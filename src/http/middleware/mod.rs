@@ -3,7 +3,6 @@
 
 mod body;
 mod browser;
-mod in_flight;
 mod layer;
 mod observe;
 
@@ -13,6 +12,7 @@ use axum::Router;
 use axum::extract::{DefaultBodyLimit, Request};
 use axum::http::{StatusCode, Version, header};
 use axum::response::{IntoResponse, Response};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
@@ -20,13 +20,14 @@ use tower_http::compression::predicate::{DefaultPredicate, Predicate, SizeAbove}
 
 use super::app_state::AppState;
 use super::codes::ServiceProblem;
+use super::metrics::Metrics;
+use super::overload::Overload;
 use super::problem::Problem;
 use super::routes::RouteClass;
 use super::worker_pool::Work;
 use crate::memory_budget::MemoryBudget;
 use crate::settings::HttpSettings;
 use body::{BodyProgress, BodyRules};
-use in_flight::InFlight;
 use layer::{Middleware, MiddlewareLayer};
 use observe::Observe;
 
@@ -42,12 +43,14 @@ pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
 pub(super) struct Stack<'a> {
     settings: &'a HttpSettings,
     state: &'a AppState,
-    in_flight: InFlight,
+    /// Permits for requests in flight. Requests beyond them are refused, not queued, because a queue would delay every
+    /// request.
+    in_flight: Arc<Semaphore>,
 }
 
 impl<'a> Stack<'a> {
     pub(super) fn new(settings: &'a HttpSettings, state: &'a AppState) -> Self {
-        Self { settings, state, in_flight: InFlight::new(settings.max_in_flight, state.metrics.clone()) }
+        Self { settings, state, in_flight: Arc::new(Semaphore::new(settings.max_in_flight)) }
     }
 
     /// Wraps `router`, whose routes are all of `class`, in the middleware. From the outermost to the innermost:
@@ -68,8 +71,9 @@ impl<'a> Stack<'a> {
         let AppState { metrics, readiness, workers, budget } = self.state.clone();
         let rules = Arc::new(BodyRules::new(class, self.settings));
         let work = class.uses_workers().then(|| Work::new(workers, budget.clone(), metrics.clone()));
+        let in_flight = class.is_shed().then(|| Arc::clone(&self.in_flight));
+        let admit = Admit { in_flight, metrics: metrics.clone(), work, rules: Arc::clone(&rules) };
         let observe = Observe { class, metrics, readiness, pace: rules.pace, budget };
-        let admit = Admit { in_flight: class.is_shed().then(|| self.in_flight.clone()), work, rules: Arc::clone(&rules) };
         let compression =
             CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(MIN_COMPRESSED_BYTES))));
         // Layer 8 replaces the framework's own body limit of 2 MB.
@@ -90,16 +94,21 @@ impl<'a> Stack<'a> {
 #[derive(Clone)]
 struct Admit {
     /// `None` for routes that are answered under any load.
-    in_flight: Option<InFlight>,
+    in_flight: Option<Arc<Semaphore>>,
+    metrics: Metrics,
     /// `Some` for routes that may use the worker pool.
     work: Option<Work>,
     rules: Arc<BodyRules>,
 }
 
 impl Admit {
+    /// The permit that a request holds until its answer is ready to be sent; the answer if it is refused.
     #[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
-    fn admit(&self, request: &Request) -> Result<Option<tokio::sync::OwnedSemaphorePermit>, Response> {
-        let permit = self.in_flight.as_ref().map(InFlight::admit).transpose().map_err(IntoResponse::into_response)?;
+    fn admit(&self, request: &Request) -> Result<Option<OwnedSemaphorePermit>, Response> {
+        let permit = self.in_flight.clone().map(Semaphore::try_acquire_owned).transpose().map_err(|_| {
+            self.metrics.shed(Overload::InFlight);
+            Overload::InFlight.into_response()
+        })?;
         check_host(request)?;
         self.rules.check_head(request.headers())?;
         Ok(permit)

@@ -1,6 +1,7 @@
 //! Wire objects of the two candidates that the published method compares, and of the faster one.
 
 use crate::http::codes::same_names;
+use crate::http::wire::answer;
 use crate::planning::{Candidate, CriticalSlope, CutterChoice};
 use crate::quantity::Angle;
 use serde::Serialize;
@@ -18,66 +19,37 @@ pub(super) enum ComparedCutter {
 
 same_names!(CutterChoice => ComparedCutter: Toroidal, BallEnd);
 
-/// The faster cutter and its passes.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub(super) struct Recommended {
-    /// The cutter.
-    cutter: ComparedCutter,
-    /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180): the steepest direction for the
-    /// toroidal cutter, the principal direction for the ball-end cutter. Absent if the surface has no such
-    /// direction, or its place in XY is not known.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180, example = 0.0)]
-    direction_deg: Option<f64>,
-    /// The distance of the passes along the surface.
-    #[schema(minimum = 0)]
-    step_over_mm: f64,
-    /// The time of the zigzag, stops at all corners included.
-    #[schema(minimum = 0)]
-    machining_time_s: f64,
-}
-
-/// A cutter with the figures of its passes.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub(super) struct CandidateAnswer {
-    /// The cutter.
-    cutter: ComparedCutter,
-    /// The line of the passes seen from above, as in `recommended`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 0, exclusive_maximum = 180, example = 90.0)]
-    direction_deg: Option<f64>,
-    /// The distance of the passes along the surface.
-    #[schema(minimum = 0)]
-    step_over_mm: f64,
-    /// The number of passes: the side across them over the step-over, the model's quotient, not rounded.
-    #[schema(minimum = 0)]
-    passes: f64,
-    /// The length of all passes and the steps between them.
-    #[schema(minimum = 0)]
-    path_length_mm: f64,
-    /// The time of the zigzag, stops at all corners included.
-    #[schema(minimum = 0)]
-    machining_time_s: f64,
-}
-
-impl From<&Candidate> for Recommended {
-    fn from(candidate: &Candidate) -> Self {
-        let CandidateAnswer { cutter, direction_deg, step_over_mm, machining_time_s, .. } = candidate.into();
-        Self { cutter, direction_deg, step_over_mm, machining_time_s }
+answer! {
+    /// The faster cutter and its passes.
+    #[derive(Clone)]
+    pub(super) struct Recommended of (candidate: &Candidate) {
+        /// The cutter.
+        cutter: ComparedCutter = candidate.cutter.into(),
+        /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180): the steepest direction for the
+        /// toroidal cutter, the principal direction for the ball-end cutter. Absent if the surface has no such
+        /// direction, or its place in XY is not known.
+        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 0.0] = candidate.direction.map(line_degrees),
+        /// The distance of the passes along the surface.
+        step_over_mm: f64 [minimum = 0] = candidate.zigzag.step_over.mm(),
+        /// The time of the zigzag, stops at all corners included.
+        machining_time_s: f64 [minimum = 0] = candidate.zigzag.time.seconds(),
     }
-}
 
-impl From<&Candidate> for CandidateAnswer {
-    fn from(candidate: &Candidate) -> Self {
-        let zigzag = candidate.zigzag;
-        Self {
-            cutter: candidate.cutter.into(),
-            direction_deg: candidate.direction.map(line_degrees),
-            step_over_mm: zigzag.step_over.mm(),
-            passes: zigzag.passes,
-            path_length_mm: zigzag.path_length.mm(),
-            machining_time_s: zigzag.time.seconds(),
-        }
+    /// A cutter with the figures of its passes.
+    #[derive(Clone)]
+    pub(super) struct CandidateAnswer of (candidate: &Candidate) {
+        /// The cutter.
+        cutter: ComparedCutter = candidate.cutter.into(),
+        /// The line of the passes seen from above, as in `recommended`.
+        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 90.0] = candidate.direction.map(line_degrees),
+        /// The distance of the passes along the surface.
+        step_over_mm: f64 [minimum = 0] = candidate.zigzag.step_over.mm(),
+        /// The number of passes: the side across them over the step-over, the model's quotient, not rounded.
+        passes: f64 [minimum = 0] = candidate.zigzag.passes,
+        /// The length of all passes and the steps between them.
+        path_length_mm: f64 [minimum = 0] = candidate.zigzag.path_length.mm(),
+        /// The time of the zigzag, stops at all corners included.
+        machining_time_s: f64 [minimum = 0] = candidate.zigzag.time.seconds(),
     }
 }
 

@@ -1,20 +1,22 @@
 //! Wire objects of an answer's confidence: its level, and the weaknesses of the method on this surface.
 
 use crate::http::codes::{ConfidenceCode, same_names};
+use crate::http::wire::answer;
 use crate::planning::{Confidence, Level, Reason};
 use serde::Serialize;
 use std::fmt::Display;
 use utoipa::ToSchema;
 
-/// The reliability of a recommendation.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Confidence)]
-pub(super) struct ConfidenceAnswer {
-    /// `high`: the surface is of the kind for which the method is intended; `moderate`: the times are estimates; `low`:
-    /// the recommendation may be wrong.
-    level: LevelName,
-    /// The reasons why the level is not high, the most important first.
-    reasons: Vec<ReasonAnswer>,
+answer! {
+    /// The reliability of a recommendation.
+    #[schema(as = Confidence)]
+    pub(super) struct ConfidenceAnswer {
+        /// `high`: the surface is of the kind for which the method is intended; `moderate`: the times are estimates; `low`:
+        /// the recommendation may be wrong.
+        level: LevelName,
+        /// The reasons why the level is not high, the most important first.
+        reasons: Vec<ReasonAnswer>,
+    }
 }
 
 /// A level of confidence.
@@ -27,19 +29,20 @@ enum LevelName {
     Low,
 }
 
-/// A weakness of the method on this surface.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = ConfidenceReason)]
-struct ReasonAnswer {
-    code: ConfidenceCode,
-    /// The level to which it lowers the confidence.
-    level: LevelName,
-    /// An explanation for people.
-    detail: String,
-    /// The figure on which the reason is based, in the unit that `detail` names.
-    value: f64,
-    /// The threshold that the figure crossed, in the same unit.
-    threshold: f64,
+answer! {
+    /// A weakness of the method on this surface.
+    #[schema(as = ConfidenceReason)]
+    struct ReasonAnswer {
+        code: ConfidenceCode,
+        /// The level to which it lowers the confidence.
+        level: LevelName,
+        /// An explanation for people.
+        detail: String,
+        /// The figure on which the reason is based, in the unit that `detail` names.
+        value: f64,
+        /// The threshold that the figure crossed, in the same unit.
+        threshold: f64,
+    }
 }
 
 impl<W: Copy + Into<ConfidenceCode>> From<&Confidence<W>> for ConfidenceAnswer

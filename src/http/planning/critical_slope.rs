@@ -6,14 +6,12 @@ use crate::http::body::JsonBody;
 use crate::http::codes::{RequestFault, WarningCode};
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::{Components, Faulted, Faults, Form, Members, Object, ObjectSchema, Quantity, members};
-use crate::http::wire::Warning;
+use crate::http::reading::{Components, Fault, Faulted, Faults, Form, Members, Object, ObjectSchema, Quantity, members};
+use crate::http::wire::{Warning, answer};
 use crate::milling::NoAnswer;
 use crate::planning::{CriticalSlope, InclinedRectangle, Job, Plan, critical_slope, plan};
 use crate::quantity::{Angle, Area, FormFactor, Length};
 use axum::Json;
-use serde::Serialize;
-use utoipa::ToSchema;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
@@ -42,32 +40,24 @@ members! {
     }
 }
 
-/// The slope at which both cutters finish an inclined rectangle in the same time.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct CriticalSlopeAnswer {
-    /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 if the toroidal cutter is faster
-    /// on every slope, 0 if the ball-end cutter is; `always_faster` then names that cutter.
-    #[schema(minimum = 0, maximum = 90)]
-    critical_slope_deg: f64,
-    /// The cutter that is faster on every slope; absent if there is a critical slope.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    always_faster: Option<ComparedCutter>,
-    /// mu_c, below which the toroidal cutter is faster at `slope_deg` on a rectangle of this size; 1 if the ball-end
-    /// cutter is faster even on a square. Only with `slope_deg`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = 1)]
-    critical_form_factor: Option<f64>,
-    /// The faster cutter at `slope_deg`. Only with `slope_deg`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    recommended: Option<Recommended>,
-    /// Both cutters at `slope_deg`, the toroidal cutter first. Only with `slope_deg`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, min_items = 2, max_items = 2)]
-    candidates: Option<Vec<CandidateAnswer>>,
-    /// Facts that need attention.
-    warnings: Vec<Warning>,
+answer! {
+    /// The slope at which both cutters finish an inclined rectangle in the same time.
+    pub(crate) struct CriticalSlopeAnswer {
+        /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 if the toroidal cutter is faster
+        /// on every slope, 0 if the ball-end cutter is; `always_faster` then names that cutter.
+        critical_slope_deg: f64 [minimum = 0, maximum = 90],
+        /// The cutter that is faster on every slope; absent if there is a critical slope.
+        always_faster?: ComparedCutter,
+        /// mu_c, below which the toroidal cutter is faster at `slope_deg` on a rectangle of this size; 1 if the ball-end
+        /// cutter is faster even on a square. Only with `slope_deg`.
+        critical_form_factor?: f64 [minimum = 1],
+        /// The faster cutter at `slope_deg`. Only with `slope_deg`.
+        recommended?: Recommended,
+        /// Both cutters at `slope_deg`, the toroidal cutter first. Only with `slope_deg`.
+        candidates?: Vec<CandidateAnswer> [min_items = 2, max_items = 2],
+        /// Facts that need attention.
+        warnings: Vec<Warning>,
+    }
 }
 
 impl CriticalSlopeAnswer {
@@ -85,8 +75,8 @@ impl CriticalSlopeAnswer {
     fn at_slope(plan: &Plan, job: &Job) -> Self {
         Self {
             critical_form_factor: Some(plan.critical_form_factor.form_factor().ratio()),
-            recommended: Some(plan.recommended().into()),
-            candidates: Some(vec![(&plan.toroidal).into(), (&plan.ball_end).into()]),
+            recommended: Some(Recommended::of(plan.recommended())),
+            candidates: Some([&plan.toroidal, &plan.ball_end].map(CandidateAnswer::of).into()),
             warnings: wide_step_over(plan, job).into_iter().collect(),
             ..Self::without_slope(plan.critical_slope)
         }
@@ -135,7 +125,7 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, 
         };
         answer.map_err(|cause| {
             let detail = format_args!("the toroidal cutter up the slope: {cause}");
-            faults.push(job::no_answer(cause, detail, &object.path().member(to_blame(cause))))
+            faults.push(Fault::no_answer(cause, &object.path().member(to_blame(cause)), detail))
         })
     })
     .map(Json)

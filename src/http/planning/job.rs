@@ -1,18 +1,18 @@
 //! A job: two cutters to compare, the scallop height that they may leave, the machine, and the model.
 
-use crate::http::codes::{NoAnswerCode, RequestFault};
+use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Fault, Faulted, Faults, Members, Object, Quantity, members};
-use crate::http::wire::{BALL_END, BallEndCutter, MACHINE, MODEL, Machine, TOROIDAL, ToroidalCutter};
+use crate::http::wire::{BallEndCutter, MACHINE, MODEL, Machine, ToroidalCutter};
 use crate::json_text::JsonPath;
-use crate::milling::{Model, NoAnswer};
+use crate::milling::Model;
 use crate::planning::{Job, JobError};
 use crate::quantity::Length;
 
 members! {
     /// The members of a job.
     pub(super) struct JobMembers {
-        toroidal: required TOROIDAL: ToroidalCutter,
-        ball_end: required BALL_END: BallEndCutter,
+        toroidal: required TOROIDAL: ToroidalCutter = ("toroidal", ToroidalCutter, "the toroidal cutter to compare"),
+        ball_end: required BALL_END: BallEndCutter = ("ball_end", BallEndCutter, "the ball-end cutter to compare"),
         scallop_height: required SCALLOP_HEIGHT: Quantity<Length> = ("scallop_height_mm", Quantity::length(0.01),
             "sh, the scallop height that either cutter may leave: at most the toroidal cutter's corner radius and under the ball's radius"),
         machine: required MACHINE: Machine,
@@ -32,12 +32,6 @@ fn fault(error: JobError, path: &JsonPath<'_>) -> Fault {
         JobError::NotToroidal => Fault::new(&path.member(TOROIDAL.name), RequestFault::NotToroidal, error),
         JobError::NotBallEnd => Fault::new(&path.member(BALL_END.name), RequestFault::NotBallEnd, error),
         JobError::ScallopTooHigh { .. } => Fault::new(&path.member(SCALLOP_HEIGHT.name), RequestFault::ScallopTooHigh, error),
-        JobError::BallEnd(cause) => no_answer(cause, error, &path.member(SCALLOP_HEIGHT.name)),
+        JobError::BallEnd(cause) => Fault::no_answer(cause, &path.member(SCALLOP_HEIGHT.name), error),
     }
-}
-
-/// The fault that a cutter has no step-over, described by `detail`.
-pub(super) fn no_answer(cause: NoAnswer, detail: impl std::fmt::Display, path: &JsonPath<'_>) -> Fault {
-    let (code, figures) = NoAnswerCode::of(cause);
-    Fault { figures, ..Fault::new(path, code, detail) }
 }

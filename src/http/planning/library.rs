@@ -32,21 +32,20 @@ impl Libraries {
 
     /// Records the faults of libraries that cannot be read, each with file, tool and member.
     pub(super) fn check(&self, faults: &mut Faults) -> Result<(), Faulted> {
-        let mut result = Ok(());
-        for (index, library) in self.0.iter().enumerate() {
-            for fault in library.as_ref().err().iter().flat_map(|faults| faults.all()) {
-                result = Err(add(faults, index, fault));
-            }
-        }
-        result
+        self.record(faults, |library| library.as_ref().err().into_iter().flat_map(LibraryFaults::all).collect())
     }
 
     /// Records the faults of faulty tools. This is for a request that has no other cutters.
     pub(super) fn report_faulty(&self, faults: &mut Faults) -> Result<(), Faulted> {
-        let mut result = Ok(());
+        self.record(faults, |library| library.iter().flat_map(ToolLibrary::faulty).flat_map(FaultyTool::faults).collect())
+    }
+
+    /// Records faults of each library, at the place of its part.
+    fn record(&self, faults: &mut Faults, of: fn(&Result<ToolLibrary, LibraryFaults>) -> Vec<&LibraryFault>) -> Result<(), Faulted> {
+        let (root, mut result) = (JsonPath::Root, Ok(()));
         for (index, library) in self.0.iter().enumerate() {
-            for fault in library.iter().flat_map(ToolLibrary::faulty).flat_map(FaultyTool::faults) {
-                result = Err(add(faults, index, fault));
+            for fault in of(library) {
+                result = Err(faults.add(&root.member(LIBRARY).item(index), FileFault::from(fault.kind()), fault));
             }
         }
         result
@@ -108,10 +107,4 @@ impl Libraries {
     fn faulty(&self) -> impl Iterator<Item = &FaultyTool> {
         self.read().flat_map(ToolLibrary::faulty)
     }
-}
-
-/// Records a fault of the library part of this index.
-fn add(faults: &mut Faults, index: usize, fault: &LibraryFault) -> Faulted {
-    let root = JsonPath::Root;
-    faults.add(&root.member(LIBRARY).item(index), FileFault::from(fault.kind()), fault)
 }

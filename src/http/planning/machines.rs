@@ -1,52 +1,33 @@
 //! `GET /v1/machines`: the machines that a request can name in place of their limits.
 
 use crate::http::problem::ProblemBody;
+use crate::http::wire::answer;
 use crate::motion::{PRESETS, Preset};
 use axum::Json;
-use serde::Serialize;
-use utoipa::ToSchema;
 
-/// All presets.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Machines)]
-pub(crate) struct MachinesAnswer {
-    /// The machines, from the slowest drives to the fastest.
-    machines: Vec<MachineAnswer>,
-}
+answer! {
+    /// All presets.
+    #[schema(as = Machines)]
+    pub(crate) struct MachinesAnswer {
+        /// The machines, from the slowest drives to the fastest.
+        machines: Vec<MachineAnswer>,
+    }
 
-/// A machine by its name.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = MachinePreset)]
-struct MachineAnswer {
-    /// The name for `machine.preset`; stable.
-    #[schema(example = "five_axis_vmc")]
-    name: &'static str,
-    /// The class of machines.
-    description: &'static str,
-    /// V, the feed rate of finishing, in mm/min.
-    #[schema(exclusive_minimum = 0, example = 5000.0)]
-    feed_rate_mm_min: f64,
-    /// A, the largest acceleration along the path, in m/s^2.
-    #[schema(exclusive_minimum = 0, example = 6.0)]
-    acceleration_m_s2: f64,
-    /// J, the largest jerk along the path, in m/s^3.
-    #[schema(exclusive_minimum = 0, example = 40.0)]
-    jerk_m_s3: f64,
-    /// The publication of the values, or "typical" if they are the usual order of magnitude of the class.
-    source: &'static str,
-}
-
-impl From<&Preset> for MachineAnswer {
-    fn from(preset: &Preset) -> Self {
-        let limits = preset.limits;
-        Self {
-            name: preset.name,
-            description: preset.description,
-            feed_rate_mm_min: limits.feed_rate.mm_s() * 60.0,
-            acceleration_m_s2: limits.acceleration.mm_s2() / 1e3,
-            jerk_m_s3: limits.jerk.mm_s3() / 1e3,
-            source: preset.source,
-        }
+    /// A machine by its name.
+    #[schema(as = MachinePreset)]
+    struct MachineAnswer of (preset: &Preset) {
+        /// The name for `machine.preset`; stable.
+        name: &'static str [example = "five_axis_vmc"] = preset.name,
+        /// The class of machines.
+        description: &'static str = preset.description,
+        /// V, the feed rate of finishing, in mm/min.
+        feed_rate_mm_min: f64 [exclusive_minimum = 0, example = 5000.0] = preset.limits.feed_rate.mm_s() * 60.0,
+        /// A, the largest acceleration along the path, in m/s^2.
+        acceleration_m_s2: f64 [exclusive_minimum = 0, example = 6.0] = preset.limits.acceleration.mm_s2() / 1e3,
+        /// J, the largest jerk along the path, in m/s^3.
+        jerk_m_s3: f64 [exclusive_minimum = 0, example = 40.0] = preset.limits.jerk.mm_s3() / 1e3,
+        /// The publication of the values, or "typical" if they are the usual order of magnitude of the class.
+        source: &'static str = preset.source,
     }
 }
 
@@ -62,7 +43,7 @@ impl From<&Preset> for MachineAnswer {
     ),
 )]
 pub(crate) async fn list() -> Json<MachinesAnswer> {
-    Json(MachinesAnswer { machines: PRESETS.iter().map(MachineAnswer::from).collect() })
+    Json(MachinesAnswer { machines: PRESETS.iter().map(MachineAnswer::of).collect() })
 }
 
 #[cfg(test)]
@@ -72,7 +53,7 @@ mod tests {
 
     #[test]
     fn limits_are_shown_in_the_units_in_which_they_are_stated() {
-        let shown: Vec<_> = PRESETS.iter().map(MachineAnswer::from).collect();
+        let shown: Vec<_> = PRESETS.iter().map(MachineAnswer::of).collect();
         let five_axis = shown.iter().find(|machine| machine.name == "five_axis_vmc").unwrap();
         assert_eq!((five_axis.feed_rate_mm_min, five_axis.acceleration_m_s2, five_axis.jerk_m_s3), (5000.0, 6.0, 40.0));
         let hobby = shown.iter().find(|machine| machine.name == "hobby_router").unwrap();

@@ -1,36 +1,34 @@
 //! The surface of an answer as a raster, for drawing.
 
 use super::simulation::Simulation;
+use crate::http::wire::answer;
 use crate::planning::machined_surface::{MachinedSurface, Stop};
 use crate::planning::zigzag::heights;
 use crate::quantity::Length;
-use serde::Serialize;
-use utoipa::ToSchema;
 
-/// The surface seen from above on square cells, at most 256 x 256. Arrays of figures have one item for each cell, row
-/// by row from the lowest y, and in a row from the lowest x; null for a cell without a figure.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = SurfaceMap)]
-pub(crate) struct MapAnswer {
-    /// The number of cells in a row.
-    columns: usize,
-    /// The number of rows.
-    rows: usize,
-    /// The side of a cell.
-    #[schema(minimum = 0)]
-    cell_mm: f64,
-    /// x and y of the corner of the first cell.
-    #[schema(min_items = 2, max_items = 2)]
-    origin_mm: [f64; 2],
-    /// The height of the surface at the middle of each cell; null where there is no surface.
-    z_mm: Vec<Option<f64>>,
-    /// The slope of the facet seen there; null where there is no surface.
-    slope_deg: Vec<Option<f64>>,
-    /// The scallop height of the recommended plan on that facet, by model `envelope`; null where nothing is machined or
-    /// the cutter does not reach the surface.
-    scallop_height_mm: Vec<Option<f64>>,
-    /// The height that the recommended cutter leaves uncut because it does not fit; null where nothing is machined.
-    uncut_mm: Vec<Option<f32>>,
+answer! {
+    /// The surface seen from above on square cells, at most 256 x 256. Arrays of figures have one item for each cell, row
+    /// by row from the lowest y, and in a row from the lowest x; null for a cell without a figure.
+    #[schema(as = SurfaceMap)]
+    pub(crate) struct MapAnswer {
+        /// The number of cells in a row.
+        columns: usize,
+        /// The number of rows.
+        rows: usize,
+        /// The side of a cell.
+        cell_mm: f64 [minimum = 0],
+        /// x and y of the corner of the first cell.
+        origin_mm: [f64; 2] [min_items = 2, max_items = 2],
+        /// The height of the surface at the middle of each cell; null where there is no surface.
+        z_mm: Vec<Option<f64>>,
+        /// The slope of the facet seen there; null where there is no surface.
+        slope_deg: Vec<Option<f64>>,
+        /// The scallop height of the recommended plan on that facet, by model `envelope`; null where nothing is machined or
+        /// the cutter does not reach the surface.
+        scallop_height_mm: Vec<Option<f64>>,
+        /// The height that the recommended cutter leaves uncut because it does not fit; null where nothing is machined.
+        uncut_mm: Vec<Option<f32>>,
+    }
 }
 
 impl MapAnswer {

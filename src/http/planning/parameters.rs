@@ -3,7 +3,7 @@
 use super::library::Libraries;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, List, Members, Object, Quantity, members};
-use crate::http::wire::{CUTTERS, CandidateKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SELECT, SelectKind, UNIT};
+use crate::http::wire::{CandidateKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SelectKind, UNIT};
 use crate::json_text::JsonPath;
 use crate::milling::Model;
 use crate::motion;
@@ -49,7 +49,8 @@ const DEFAULT_MAX_SLOPE: f64 = 85.0;
 members! {
     /// The parameters besides the surface.
     pub(super) struct ParameterMembers {
-        cutters: optional CUTTERS: List<CandidateKind>,
+        cutters: optional CUTTERS: List<CandidateKind> = ("cutters", List { item: CandidateKind, about_item: "", fewest: 1, most: MOST_CUTTERS },
+            "the cutters to choose from, in any mix of kinds; answers refer to each by its position"),
         scallop_height: required SCALLOP_HEIGHT: Quantity<Length> = ("scallop_height_mm", Quantity::length(0.01),
             "the scallop height that must not be exceeded: by step-over and tooth marks for cutters with teeth and spindle speed, by the step-over alone for others"),
         machine: required MACHINE: Machine,
@@ -68,7 +69,8 @@ members! {
             "the facets that determine the shape: up (default), those whose normal points up, which a cutter reaches from above; any, all of them. Points and patches have no sides"),
         max_uncut_share: optional MAX_UNCUT_SHARE: Quantity<f64> = ("max_uncut_share", Quantity::new(share, 0.005),
             "the largest share of the area that a ranked cutter may leave uncut; absent = 0.005"),
-        select: optional SELECT: SelectKind,
+        select: optional SELECT: SelectKind = ("select", SelectKind,
+            "which facets are machined: those that meet all stated conditions; the cutter must not gouge the other facets, which still hide those below them"),
         include: optional INCLUDE: List<Choice<Part>> = ("include",
             List { item: Choice { name: None, words: &[("map", Part::Map), ("passes", Part::Passes)] }, about_item: "a part of the answer", fewest: 0, most: 2 },
             "optional parts of the answer, in method surface: map, a raster for drawing; passes, the recommended plan point by point"),

@@ -100,7 +100,7 @@ impl Task {
             ranking.not_ranked.iter().map(|not_ranked| self.not_ranked(not_ranked.candidate, not_ranked.reason)).collect();
         not_ranked.extend(self.faulty_tools());
         let candidates: Vec<_> = ranking.plans.iter().map(|plan| RankedCandidate::simulated(plan, named)).collect();
-        let (Some(first), Some(confidence)) = (candidates.first(), &ranking.confidence) else {
+        let (false, Some(confidence)) = (candidates.is_empty(), &ranking.confidence) else {
             return Err(Problem::no_cutter_fits(not_ranked));
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
@@ -110,8 +110,8 @@ impl Task {
         resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
         let passes = if self.parameters.includes(Part::Passes) { self.passes(machined, &simulation, resources, stop)? } else { None };
         let map = if has_map { MapAnswer::new(machined, &simulation, stop) } else { None };
-        let (recommended, published) = (first.into(), self.published().map(|published| published.plan));
-        let answer = self.answered(recommended, candidates, not_ranked, Some(machined), published, confidence.into());
+        let published = self.published().map(|published| published.plan);
+        let answer = self.answered(candidates, not_ranked, Some(machined), published, confidence.into());
         Ok(RecommendationAnswer { map, passes, ..answer })
     }
 
@@ -152,21 +152,22 @@ impl Task {
         }
         not_ranked.extend(self.faulty_tools());
         candidates.sort_by(|a, b| a.machining_time_s.total_cmp(&b.machining_time_s));
-        let Some(first) = candidates.first() else { return Err(Problem::no_cutter_fits(not_ranked)) };
+        if candidates.is_empty() {
+            return Err(Problem::no_cutter_fits(not_ranked));
+        }
         let unused = [("include", !self.parameters.include.is_empty()), ("directions_deg", self.parameters.directions.is_some())];
         self.warnings.extend(unused.into_iter().filter(|(_, is_stated)| *is_stated).map(|(member, _)| {
             Warning::new(WarningCode::MemberUnused, format!("{member} has no effect in method rectangle; use method \"surface\""))
         }));
-        let (recommended, published) = (first.into(), self.published());
+        let published = self.published();
         let compared = published.as_ref().map(|published| published.plan);
         let confidence = self.confidence_in_rectangle(published, &candidates, machined, resources, stop)?;
-        Ok(self.answered(recommended, candidates, not_ranked, machined, compared, confidence))
+        Ok(self.answered(candidates, not_ranked, machined, compared, confidence))
     }
 
-    /// The answer without map and passes.
+    /// The answer without map and passes. There is at least one candidate.
     fn answered(
         self,
-        recommended: RecommendedCutter,
         candidates: Vec<RankedCandidate>,
         not_ranked: Vec<NotRanked>,
         machined: Option<&MachinedSurface>,
@@ -176,10 +177,10 @@ impl Task {
         RecommendationAnswer {
             method: self.parameters.method,
             model: MODEL.kind.word(&self.parameters.model()),
-            recommended,
+            recommended: RecommendedCutter::of(&candidates[0]),
             candidates,
             not_ranked,
-            surface: SurfaceAnswer::new(&self.shape, self.source, machined),
+            surface: SurfaceAnswer::of(&self.shape, self.source, machined),
             critical_slope_deg: published.map(|plan| plan.critical_slope.angle().degrees()),
             always_faster: published.and_then(|plan| always_faster(plan.critical_slope)),
             critical_form_factor: published.map(|plan| plan.critical_form_factor.form_factor().ratio()),

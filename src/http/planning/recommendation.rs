@@ -3,7 +3,7 @@
 use super::answer::RecommendationAnswer;
 use super::library::Libraries;
 use super::memory::{Resources, bytes_of_machined_surface, bytes_to_read};
-use super::parameters::{ParameterMembers, Parameters};
+use super::parameters::{CUTTERS, ParameterMembers, Parameters};
 use super::plan::Task;
 use super::simulation::on_threads;
 use crate::cancellation::CancelFlag;
@@ -11,7 +11,7 @@ use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Components, Faulted, ObjectSchema};
-use crate::http::wire::{CUTTERS, SURFACE};
+use crate::http::wire::SURFACE;
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, Reservation};
 use crate::planning::memory::{bytes_of_mesh, bytes_prepared};

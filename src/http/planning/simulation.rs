@@ -1,11 +1,11 @@
 //! The simulation of all candidates on the facets of a surface, with the memory that it takes.
 
 use super::memory::Resources;
-use super::parameters::Parameters;
+use super::parameters::{Parameters, SELECT};
 use crate::http::codes::RequestFault;
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults};
-use crate::http::wire::{PIECES_NAME, SELECT};
+use crate::http::wire::PIECES_NAME;
 use crate::json_text::JsonPath;
 use crate::milling::Model;
 use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};

@@ -203,8 +203,8 @@ async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics)
     let memory = work.budget().open_for_input();
     let mut file = File::new(FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref()), memory, &cancel);
     let place = work.budget().queue_input();
-    let mut received = Block::receive(form, metrics, Block::FIRST).await?;
-    while !received.pieces.is_empty() {
+    let mut received = receive_block(form, metrics, FIRST_BLOCK).await?;
+    while !received.is_empty() {
         let block = received;
         let bytes = file.bytes_to_take(&block);
         place.grow(&mut file.memory, bytes, LONGEST_WAIT).await?;
@@ -215,7 +215,7 @@ async fn read_file(form: &mut Form, head: &Head, work: &Work, metrics: &Metrics)
         });
         let next = async {
             place.may_grow(held, LONGEST_WAIT).await?;
-            Block::receive(form, metrics, Block::SIZE).await
+            receive_block(form, metrics, BLOCK).await
         };
         let (worked, next) = tokio::join!(reading, next);
         let taken;
@@ -255,8 +255,8 @@ impl File {
     }
 
     /// The most memory in bytes that reading a block adds.
-    fn bytes_to_take(&self, block: &Block) -> u64 {
-        let bytes: usize = block.pieces.iter().map(Bytes::len).sum();
+    fn bytes_to_take(&self, block: &[Bytes]) -> u64 {
+        let bytes: usize = block.iter().map(Bytes::len).sum();
         let held = self.reader.held_bytes();
         // A package is collected in one vector, which doubles when it grows.
         let collected = if self.reader.is_archive() { 2 * (held + bytes) } else { 0 };
@@ -265,8 +265,8 @@ impl File {
     }
 
     /// Reads a block, for which [`File::bytes_to_take`] has been reserved. Afterwards the memory in use is reserved.
-    fn take(&mut self, block: &Block) -> Result<Result<(), read::Fault>, BudgetExceeded> {
-        let pushed = block.read(&mut self.reader, &mut self.surface);
+    fn take(&mut self, block: &[Bytes]) -> Result<Result<(), read::Fault>, BudgetExceeded> {
+        let pushed = read_block(block, &mut self.reader, &mut self.surface);
         self.memory.resize(self.reader.held_bytes() as u64 + self.surface.held_bytes())?;
         Ok(pushed)
     }
@@ -284,41 +284,33 @@ impl File {
     }
 }
 
-/// Consecutive chunks of a part's data.
-#[derive(Debug, Default)]
-struct Block {
-    pieces: Vec<Bytes>,
+/// The approximate size of a block in bytes: large enough for the cost of changing threads not to matter, and small
+/// compared with the memory budget.
+const BLOCK: usize = 1 << 20;
+
+/// The size of the first block. The memory for it is reserved before the file's format is known, and some formats take
+/// a hundred times their bytes.
+const FIRST_BLOCK: usize = 1 << 16;
+
+/// The largest number of chunks of a block. A chunk may be one byte, and each keeps its receive buffer in memory.
+const MOST_CHUNKS: usize = 64;
+
+/// Receives the part's next block, consecutive chunks of about `most` bytes; an empty one at its end.
+async fn receive_block(form: &mut Form, metrics: &Metrics, most: usize) -> Result<Vec<Bytes>, Problem> {
+    let (mut block, mut size) = (Vec::new(), 0);
+    while size < most && block.len() < MOST_CHUNKS {
+        let Some(chunk) = form.chunk().await? else { break };
+        size += chunk.len();
+        block.push(chunk);
+    }
+    metrics.upload_bytes(size as u64);
+    Ok(block)
 }
 
-impl Block {
-    /// The approximate size of a block in bytes: large enough for the cost of changing threads not to matter, and small
-    /// compared with the memory budget.
-    const SIZE: usize = 1 << 20;
-
-    /// The size of the first block. The memory for it is reserved before the file's format is known, and some formats
-    /// take a hundred times their bytes.
-    const FIRST: usize = 1 << 16;
-
-    /// The largest number of chunks of a block. A chunk may be one byte, and each keeps its receive buffer in memory.
-    const PIECES: usize = 64;
-
-    /// Receives the part's next block, of about `most` bytes; an empty one at its end.
-    async fn receive(form: &mut Form, metrics: &Metrics, most: usize) -> Result<Self, Problem> {
-        let (mut block, mut size) = (Self::default(), 0);
-        while size < most && block.pieces.len() < Self::PIECES {
-            let Some(piece) = form.chunk().await? else { break };
-            size += piece.len();
-            block.pieces.push(piece);
-        }
-        metrics.upload_bytes(size as u64);
-        Ok(block)
-    }
-
-    /// Passes the chunks to the reader, which reads blocks of them on all threads. Their sums are added in file order,
-    /// so that the same file has bitwise the same sums.
-    fn read(&self, reader: &mut Reader, surface: &mut ReceivedSurface) -> Result<(), read::Fault> {
-        reader.push_in_parallel(self.pieces.iter().map(|piece| &piece[..]), surface)
-    }
+/// Passes the chunks of a block to the reader, which reads them on all threads. Their sums are added in file order, so
+/// that the same file has bitwise the same sums.
+fn read_block(block: &[Bytes], reader: &mut Reader, surface: &mut ReceivedSurface) -> Result<(), read::Fault> {
+    reader.push_in_parallel(block.iter().map(|chunk| &chunk[..]), surface)
 }
 
 /// The label of a format in the metrics.
@@ -356,7 +348,7 @@ mod tests {
         let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::until(&CancelFlag::default()));
         let all: Vec<Bytes> = text.chunks(piece).map(Bytes::copy_from_slice).collect();
         for pieces in all.chunks(pieces) {
-            Block { pieces: pieces.to_vec() }.read(&mut reader, &mut surface).unwrap();
+            read_block(pieces, &mut reader, &mut surface).unwrap();
         }
         assert_eq!(reader.finish(&mut surface).unwrap().points, 60_000);
         format!("{:?}", surface.sampled.shape(Unit::Millimetre, Facing::Up).unwrap())
@@ -376,8 +368,7 @@ mod tests {
     fn a_fault_in_a_text_block_has_its_line_in_the_file() {
         let text = "1.5,2,3\n".repeat(100_000) + "1.5,2\n" + &"1.5,2,3\n".repeat(100_000);
         let (mut reader, mut surface) = (Reader::new(FormatHint::default()), ReceivedSurface::until(&CancelFlag::default()));
-        let block = Block { pieces: vec![Bytes::from(text)] };
-        let fault = block.read(&mut reader, &mut surface).unwrap_err();
+        let fault = read_block(&[Bytes::from(text)], &mut reader, &mut surface).unwrap_err();
         assert_eq!(fault.location(), read::FileLocation::Line(100_001));
     }
 }

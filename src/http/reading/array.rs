@@ -6,8 +6,10 @@ use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText, Unread};
 
 /// Passes every item of the array `raw` to `take` in order, with its index and without parsing it. Returns their number.
+/// `expected` describes the array in the fault of another value.
 pub(crate) fn each_raw<'a>(
     raw: JsonText<'a>,
+    expected: &str,
     path: JsonPath<'_>,
     faults: &mut Faults,
     mut take: impl FnMut(usize, JsonText<'a>, &mut Faults),
@@ -22,14 +24,20 @@ pub(crate) fn each_raw<'a>(
     raw.items(&stop, take_next).map(|()| count).map_err(|unread| match unread {
         // The faults of a cancelled reading are discarded.
         Unread::Cancelled => Faulted,
-        _ => faults.add(&path, RequestFault::WrongType, format_args!("expected an array, found {}", describe(raw))),
+        _ => faults.add(&path, RequestFault::WrongType, format_args!("expected {expected}, found {}", describe(raw))),
     })
 }
 
 /// The unparsed items of the array `raw`. More than `most` items are a fault; further items are counted, not stored.
-pub(crate) fn items<'a>(raw: JsonText<'a>, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Vec<JsonText<'a>>, Faulted> {
+pub(crate) fn items<'a>(
+    raw: JsonText<'a>,
+    expected: &str,
+    most: usize,
+    path: JsonPath<'_>,
+    faults: &mut Faults,
+) -> Result<Vec<JsonText<'a>>, Faulted> {
     let mut items = Vec::new();
-    let count = each_raw(raw, path, faults, |index, item, _| {
+    let count = each_raw(raw, expected, path, faults, |index, item, _| {
         if index < most {
             items.push(item);
         }

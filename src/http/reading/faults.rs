@@ -1,8 +1,9 @@
 //! The faults of a request, each with its code and location.
 
 use crate::cancellation::CancelFlag;
-use crate::http::codes::{FaultCode, ProblemFigure, RequestFault};
+use crate::http::codes::{FaultCode, NoAnswerCode, ProblemFigure, RequestFault};
 use crate::json_text::JsonPath;
+use crate::milling::NoAnswer;
 use serde::Serialize;
 use std::fmt;
 use utoipa::ToSchema;
@@ -24,6 +25,12 @@ pub(crate) struct Fault {
 impl Fault {
     pub(crate) fn new(path: &JsonPath<'_>, code: impl Into<FaultCode>, detail: impl fmt::Display) -> Self {
         Self { pointer: path.to_string(), code: code.into(), detail: detail.to_string(), figures: Vec::new() }
+    }
+
+    /// The fault that a request has no answer because of `cause`, which `detail` describes.
+    pub(crate) fn no_answer(cause: NoAnswer, path: &JsonPath<'_>, detail: impl fmt::Display) -> Self {
+        let (code, figures) = NoAnswerCode::of(cause);
+        Self { figures, ..Self::new(path, code, detail) }
     }
 }
 

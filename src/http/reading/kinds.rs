@@ -2,7 +2,7 @@
 
 use super::array::items;
 use super::object::describe;
-use super::{CellValue, Cells, Components, Faulted, Faults, Kind, PlainKind};
+use super::{Components, Faulted, Faults, Kind, PlainKind};
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText, not_finite};
 use crate::quantity::{Angle, Length, OutOfRange};
@@ -66,7 +66,6 @@ impl<T> Kind for Quantity<T> {
 
 impl<T> PlainKind for Quantity<T> {
     type Plain = f64;
-    type Column = Cells<f64>;
 
     fn accept(&self, plain: f64) -> Option<T> {
         (self.of)(plain).ok()
@@ -118,7 +117,6 @@ impl Kind for Number {
 
 impl PlainKind for Number {
     type Plain = f64;
-    type Column = Cells<f64>;
 
     fn accept(&self, plain: f64) -> Option<f64> {
         Some(plain)
@@ -142,7 +140,7 @@ impl<K: Kind<Value = f64>, const N: usize> Kind for Tuple<K, N> {
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; N], Faulted> {
         const MOST_COUNTED: usize = 16;
-        let items = items(raw, MOST_COUNTED, path, faults)?;
+        let items = items(raw, "an array", MOST_COUNTED, path, faults)?;
         if items.len() != N {
             let expected = if N == 2 { "two" } else { "three" };
             let detail = format_args!("expected {expected} numbers, found {} items", items.len());
@@ -163,12 +161,8 @@ impl<K: Kind<Value = f64>, const N: usize> Kind for Tuple<K, N> {
     }
 }
 
-impl<K: PlainKind<Value = f64, Plain = f64>, const N: usize> PlainKind for Tuple<K, N>
-where
-    [f64; N]: CellValue,
-{
+impl<K: PlainKind<Value = f64, Plain = f64>, const N: usize> PlainKind for Tuple<K, N> {
     type Plain = [f64; N];
-    type Column = Cells<[f64; N]>;
 
     fn accept(&self, plain: [f64; N]) -> Option<[f64; N]> {
         plain.iter().all(|number| self.of.accept(*number).is_some()).then_some(plain)

@@ -20,7 +20,7 @@ impl<K: Kind> Kind for List<K> {
     type Value = Vec<K::Value>;
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
-        let items = items(raw, self.most, path, faults)?;
+        let items = items(raw, "an array", self.most, path, faults)?;
         if items.len() < self.fewest {
             let detail = format_args!("must have at least {} items, found {}", self.fewest, items.len());
             return Err(faults.add(&path, RequestFault::WrongCount, detail));

@@ -1,7 +1,7 @@
 //! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
-use super::{Components, Faulted, Faults, Members, Object, ObjectSchema, PlainColumn};
-use crate::json_text::{JsonPath, JsonText, PlainValue};
+use super::{CellValue, Components, Faulted, Faults};
+use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -13,6 +13,12 @@ pub(crate) struct Member<K> {
     pub(crate) about: &'static str,
     /// The kind of its values.
     pub(crate) kind: K,
+}
+
+impl<K> Member<K> {
+    pub(crate) const fn new(name: &'static str, about: &'static str, kind: K) -> Self {
+        Self { name, about, kind }
+    }
 }
 
 /// A kind of value.
@@ -30,9 +36,7 @@ pub(crate) trait Kind {
 /// A kind of value that batches read without collecting faults.
 pub(crate) trait PlainKind: Kind {
     /// The value as in JSON.
-    type Plain: PlainValue;
-    /// A column of such values.
-    type Column: PlainColumn<Plain = Self::Plain> + Sync;
+    type Plain: CellValue;
 
     /// The schema of a column: an array of values of the kind, null where a row has none.
     fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
@@ -43,34 +47,4 @@ pub(crate) trait PlainKind: Kind {
 
     /// The checked value; `None` if `plain` is faulty.
     fn accept(&self, plain: Self::Plain) -> Option<Self::Value>;
-}
-
-/// An object with a named schema, which all members of this kind share.
-pub(crate) trait WireObject {
-    /// The name of the schema.
-    const NAME: &'static str;
-    /// The description of the object.
-    const ABOUT: &'static str;
-    /// The object's members.
-    type Members: Members;
-    /// The checked value.
-    type Value;
-
-    /// The value that the members of the object at `path` describe.
-    fn build(members: Self::Members, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted>;
-}
-
-impl<T: WireObject> Kind for T {
-    type Value = T::Value;
-
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<T::Value, Faulted> {
-        Object::open(raw, path, faults)?.read(faults, |object, faults| {
-            let members = T::Members::read(object, faults);
-            T::build(members, &path, faults)
-        })
-    }
-
-    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer(T::NAME, about, |components| ObjectSchema::new(T::ABOUT, components).with::<T::Members>().build())
-    }
 }

@@ -1,7 +1,7 @@
 //! The macro `members!`, which declares the members of an object and generates its reader, its schema and the fast path
 //! of batches.
 
-use super::{Faults, Object, ObjectSchema};
+use super::{Faulted, Faults, Object, ObjectSchema};
 
 /// The members of an object. Each field is the value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
@@ -27,17 +27,28 @@ pub(crate) enum Form<A, B> {
     Second(B),
 }
 
+/// The value of two members of which at most one may be given; `None` if both are.
+pub(crate) fn at_most_one<T>(one: Result<Option<T>, Faulted>, other: Result<Option<T>, Faulted>) -> Option<Result<Option<T>, Faulted>> {
+    match (one, other) {
+        (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
+        (one, Ok(None)) => Some(one),
+        (Ok(None), other) => Some(other),
+    }
+}
+
 /// Declares members and their struct:
-/// `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`, with
-/// `plain struct Name / Slots / Columns` for members of contacts in batches. A member that several structs share is
-/// declared in one of them.
+/// `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`. A member that several
+/// structs share is declared in one of them.
+/// - `struct Name for Object ("Schema", "description") -> Value` also declares the kind of an object with these members.
+///   `Name::build` makes its value of them; all members of this kind share its schema.
+/// - `plain struct Name / Slots` also declares the values in one pass, for members of contacts in batches.
 macro_rules! members {
-    ($(#[$doc:meta])* $vis:vis struct $name:ident {
+    ($(#[$doc:meta])* $vis:vis struct $name:ident $(for $object:ident ($schema:literal, $about_object:literal) -> $value:ty)? {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )*
     }) => {
         $($(
             $vis const $member: $crate::http::reading::Member<$kind> =
-                $crate::http::reading::Member { name: $wire, about: $about, kind: $of_kind };
+                $crate::http::reading::Member::new($wire, $about, $of_kind);
         )?)*
 
         $(#[$doc])*
@@ -71,8 +82,30 @@ macro_rules! members {
                 }
             }
         };
+
+        $(
+            #[doc = $about_object]
+            $vis struct $object;
+
+            const _: () = {
+                use $crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object};
+                use $crate::json_text::{JsonPath, JsonText};
+
+                impl Kind for $object {
+                    type Value = $value;
+
+                    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<$value, Faulted> {
+                        Object::open(raw, path, faults)?.read(faults, |object, faults| $name::read(object, faults).build(&path, faults))
+                    }
+
+                    fn schema(&self, about: &str, components: &mut Components) -> utoipa::openapi::RefOr<utoipa::openapi::Schema> {
+                        components.refer_object($schema, about, $about_object, &$name::describe)
+                    }
+                }
+            };
+        )?
     };
-    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident / $columns:ident {
+    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )+
     }) => {
         $crate::http::reading::members! {
@@ -85,18 +118,9 @@ macro_rules! members {
             $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Plain>, )+
         }
 
-        #[doc = concat!("Columns of the values of [`", stringify!($name), "`].")]
-        #[derive(Debug, Default, PartialEq)]
-        $vis struct $columns {
-            $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Column>, )+
-        }
-
         const _: () = {
-            use $crate::http::reading::{
-                Columns, Faults, Object, ObjectSchema, PlainColumn, PlainColumns,
-                RowText, Rows, Slots,
-            };
-            use $crate::json_text::{JsonPath, PlainJson, PlainValue, Unusual};
+            use $crate::http::reading::{CellValue, KnownColumns, ObjectSchema, ValueSource, PlainKind, Slots};
+            use $crate::json_text::Unusual;
 
             impl $slots {
                 /// The members; `None` if a required one is missing or a value is out of bounds.
@@ -107,60 +131,24 @@ macro_rules! members {
 
             impl Slots for $slots {
                 #[inline]
-                fn fill(&mut self, name: &str, json: &mut PlainJson<'_>) -> Result<bool, Unusual> {
+                fn fill(&mut self, name: &str, source: &mut impl ValueSource) -> Result<bool, Unusual> {
                     $(
                         if name == $member.name {
-                            let earlier = self.$field.replace(PlainValue::read(json)?);
-                            return if earlier.is_none() { Ok(true) } else { Err(Unusual) };
+                            let value = source.value()?;
+                            let is_repeated = value.is_some() && self.$field.is_some();
+                            self.$field = value.or(self.$field);
+                            return if is_repeated { Err(Unusual) } else { Ok(true) };
                         }
                     )+
                     Ok(false)
                 }
-            }
 
-            impl Columns for $columns {
-                type Row = $slots;
-
-                fn take(object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> Self {
-                    Self { $( $field: object.column($member.name, most, faults), )+ }
+                fn columns() -> KnownColumns {
+                    vec![$( ($member.name, <$kind as PlainKind>::Plain::column_kind()) ),+]
                 }
 
-                fn take_plain(columns: &mut PlainColumns<'_>, most: usize) -> Option<Self> {
-                    Some(Self {
-                        $( $field: match columns.take($member.name) {
-                            Some(items) => Some(PlainColumn::read_plain(items, most)?),
-                            None => None,
-                        }, )+
-                    })
-                }
-
-                fn describe(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
+                fn describe_columns(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
                     schema$( .column(&$member, most) )+
-                }
-
-                fn check_rows(&self, path: &JsonPath<'_>, rows: &mut Rows, faults: &mut Faults) {
-                    $(
-                        if let Some(column) = &self.$field {
-                            PlainColumn::check_rows(column, $member.name, path.member($member.name), rows, faults);
-                        }
-                    )+
-                }
-
-                fn row(&self, index: usize) -> Result<$slots, Unusual> {
-                    Ok($slots {
-                        $( $field: match &self.$field {
-                            Some(column) => PlainColumn::get(column, index)?,
-                            None => None,
-                        }, )+
-                    })
-                }
-
-                fn write_row(&self, index: usize, row: &mut RowText) {
-                    $(
-                        if let Some(column) = &self.$field {
-                            PlainColumn::write(column, index, $member.name, row);
-                        }
-                    )+
                 }
             }
         };

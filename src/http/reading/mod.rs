@@ -14,13 +14,13 @@ mod schema;
 mod slots;
 
 pub(crate) use array::{each_raw, items};
-pub(crate) use columns::{CellValue, Cells, PlainColumn, RowText, Rows};
+pub(crate) use columns::{CellValue, Columns, KnownColumns, ValueSource};
 pub(crate) use cut_out::{CutOut, Large, PlainColumns};
 pub(crate) use faults::{Fault, Faulted, Faults};
 pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use list::List;
-pub(crate) use member::{Kind, Member, PlainKind, WireObject};
-pub(crate) use members::{Form, Members, members};
+pub(crate) use member::{Kind, Member, PlainKind};
+pub(crate) use members::{Form, Members, at_most_one, members};
 pub(crate) use object::{Object, describe};
 pub(crate) use schema::{AddMembers, Components, ObjectSchema};
-pub(crate) use slots::{Columns, Slots};
+pub(crate) use slots::Slots;

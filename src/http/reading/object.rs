@@ -1,6 +1,6 @@
 //! The reader of JSON objects. Callers take the members one by one; all faults are recorded.
 
-use super::{Faulted, Faults, Form, Kind, Member, Members, PlainColumn};
+use super::{Faulted, Faults, Form, Kind, Member, Members};
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonError, JsonMembers, JsonPath, JsonText, Unread, not_finite};
 use std::borrow::Cow;
@@ -65,16 +65,18 @@ impl<'a, 'p> Object<'a, 'p> {
         found
     }
 
+    /// Takes a required member unparsed.
+    pub(crate) fn required_raw<K>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<JsonText<'a>, Faulted> {
+        self.take(member.name, faults).ok_or_else(|| {
+            let detail = format_args!("the field is missing: {}", member.about);
+            faults.add(&self.path.member(member.name), RequestFault::MissingField, detail)
+        })
+    }
+
     /// Takes a required member.
     pub(crate) fn required<K: Kind>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<K::Value, Faulted> {
-        match self.optional(member, faults)? {
-            Some(value) => Ok(value),
-            None => Err(faults.add(
-                &self.path.member(member.name),
-                RequestFault::MissingField,
-                format_args!("the field is missing: {}", member.about),
-            )),
-        }
+        let raw = self.required_raw(member, faults)?;
+        member.kind.read(raw, self.path.member(member.name), faults)
     }
 
     /// Takes a member that may be absent.
@@ -83,12 +85,6 @@ impl<'a, 'p> Object<'a, 'p> {
             return Ok(None);
         };
         member.kind.read(raw, self.path.member(member.name), faults).map(Some)
-    }
-
-    /// Takes a column of at most `most` rows, which may be absent.
-    pub(crate) fn column<C: PlainColumn>(&mut self, name: &'static str, most: usize, faults: &mut Faults) -> Option<C> {
-        let raw = self.take(name, faults)?;
-        C::read(raw, most, self.path.member(name), faults).ok()
     }
 
     /// Reads the members of one of two forms of an object. `forms` is the text of the fault if none or both are

@@ -2,7 +2,7 @@
 
 use super::{Kind, Member, Members, PlainKind};
 use utoipa::ToSchema;
-use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, RefBuilder, Type};
+use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, OneOfBuilder, RefBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// Named schemas. A schema is added at the first reference to it.
@@ -28,13 +28,25 @@ impl Components {
         })
     }
 
+    /// A reference to the schema `name` of an object, described as `about`, with the members that `add` adds. `at` is
+    /// the description at the reference.
+    pub(crate) fn refer_object(&mut self, name: &str, at: &str, about: &str, add: AddMembers<'_>) -> RefOr<Schema> {
+        self.refer(name, at, |components| add(ObjectSchema::new(about, components)).build())
+    }
+
+    /// The union of objects, each given as name, description and members.
+    pub(crate) fn one_of(&mut self, about: &str, forms: &[(&str, &str, AddMembers<'_>)]) -> OneOfBuilder {
+        let any = OneOfBuilder::new().description(Some(about));
+        forms.iter().fold(any, |any, (name, about, add)| any.item(self.refer_object(name, "", about, add)))
+    }
+
     pub(crate) fn into_named(self) -> Vec<(String, RefOr<Schema>)> {
         self.0
     }
 }
 
 /// Adds members to a schema.
-pub(crate) type AddMembers = fn(ObjectSchema<'_>) -> ObjectSchema<'_>;
+pub(crate) type AddMembers<'f> = &'f dyn Fn(ObjectSchema<'_>) -> ObjectSchema<'_>;
 
 /// The schema of an object that allows only its own members.
 pub(crate) struct ObjectSchema<'c> {

@@ -1,7 +1,7 @@
 //! A contact of a batch, with its own parameters. A contact without faults is parsed in one pass directly into numbers.
 //! If that fails, the contact is read again by the reader that collects faults.
 
-use super::contact::{self, AngleSlots, StatedContact, VectorSlots};
+use super::contact::{self, FormSlots, StatedContact};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
 use crate::http::reading::{Components, Faulted, Faults, Object, Slots};
 use crate::json_text::{JsonPath, JsonText, PlainJson, Unusual};
@@ -77,17 +77,14 @@ impl BatchContact {
 }
 
 /// The values of a contact's members.
-pub(super) type ContactSlots = ((AngleSlots, VectorSlots), ParameterSlots);
+pub(super) type ContactSlots = (FormSlots, ParameterSlots);
 
 /// The schema of a contact with the parameters that `stated` allows.
-pub(crate) fn batch_contact_schemas(stated: StatedParameters, components: &mut Components) -> RefOr<Schema> {
-    let names = match (stated.step_over, stated.feed_per_tooth) {
-        (true, true) => ["AngleContactWithParameters", "VectorContactWithParameters"],
-        (true, false) => ["AngleContactWithStepOver", "VectorContactWithStepOver"],
-        (false, true) => ["AngleContactWithFeed", "VectorContactWithFeed"],
-        (false, false) => ["AngleContactWithCurvature", "VectorContactWithCurvature"],
-    };
-    contact::forms(names, "A contact with its own parameters", components, |schema| ContactParameters::describe(schema, stated)).into()
+pub(super) fn batch_contact_schemas(stated: StatedParameters, components: &mut Components) -> RefOr<Schema> {
+    let names = ["AngleContact", "VectorContact"].map(|form| stated.name(form));
+    contact::forms(names.each_ref().map(String::as_str), "A contact with its own parameters", components, &|schema| {
+        ContactParameters::describe(schema, stated)
+    })
 }
 
 #[cfg(test)]

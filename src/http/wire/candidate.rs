@@ -2,7 +2,7 @@
 
 use super::cutter::{TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, List, Member, Members, Object, Quantity, Whole, describe, members, text};
+use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, Quantity, Whole, describe, members, text};
 use crate::json_text::{JsonPath, JsonText};
 use crate::planning::zigzag::{CandidateCutter, Drive};
 use crate::quantity::{Length, SpindleSpeed};
@@ -12,13 +12,6 @@ use utoipa::openapi::{RefOr, Schema};
 
 /// The largest number of cutters in a request, including those of its tool libraries.
 pub(crate) const MOST_CUTTERS: usize = 200;
-
-/// The member `cutters` of a recommendation.
-pub(crate) const CUTTERS: Member<List<CandidateKind>> = Member {
-    name: "cutters",
-    about: "the cutters to choose from, in any mix of kinds; answers refer to each by its position",
-    kind: List { item: CandidateKind, about_item: "", fewest: 1, most: MOST_CUTTERS },
-};
 
 /// A cutter to choose from, with its name if it has one.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,7 +71,7 @@ impl Kind for CandidateKind {
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         const ABOUT: &str = "A cutter to choose from, one of three kinds, discriminated by type";
         let names = ["CandidateCutter", "ToroidalCandidate", "BallEndCandidate", "FlatEndCandidate"];
-        kinds_schema(names, ABOUT, CandidateMembers::describe, about, components)
+        kinds_schema(names, ABOUT, &CandidateMembers::describe, about, components)
     }
 }
 

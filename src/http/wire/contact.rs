@@ -2,18 +2,17 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Components, Faulted, Faults, Form, Kind, Member, Number, Object, ObjectSchema, Quantity, Slots, Vector, members,
+    AddMembers, Components, Faulted, Faults, Form, Kind, Member, Members, Number, Object, Quantity, Slots, Vector, members,
 };
 use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{Contact, ContactError};
 use crate::quantity::OutOfRange;
 use std::sync::LazyLock;
-use utoipa::openapi::schema::OneOfBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// A contact by angles.
-    pub(super) plain struct AngleMembers / AngleSlots / AngleColumns {
+    pub(super) plain struct AngleMembers / AngleSlots {
         slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(slope, 40.0),
             "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall"),
         feed_angle: required FEED_ANGLE: Quantity<f64> = ("feed_angle_deg", Quantity::new(|degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), 30.0),
@@ -22,7 +21,7 @@ members! {
 }
 members! {
     /// A contact by vectors.
-    pub(super) plain struct VectorMembers / VectorSlots / VectorColumns {
+    pub(super) plain struct VectorMembers / VectorSlots {
         normal: required NORMAL: Vector = ("normal", Vector { of: Number, example: [-0.64, 0.0, 0.77] },
             "the surface's normal, out of the part, with a length above 0; at most 90 deg from the tool axis"),
         feed: required FEED: Vector = ("feed", Vector { of: Number, example: [1.0, 0.0, 0.84] },
@@ -42,11 +41,11 @@ fn slope(degrees: f64) -> Result<f64, OutOfRange> {
 }
 
 /// The member `contact` of a calculation at one contact.
-pub(crate) const CONTACT: Member<ContactKind> = Member {
-    name: "contact",
-    about: "slope and feed direction at the point where the cutter touches the surface, by angles or by vectors",
-    kind: ContactKind,
-};
+pub(crate) const CONTACT: Member<ContactKind> = Member::new(
+    "contact",
+    "slope and feed direction at the point where the cutter touches the surface, by angles or by vectors",
+    ContactKind,
+);
 
 /// A contact, and the member that states its slope, to which faults of the slope point.
 #[derive(Debug, Clone, Copy)]
@@ -80,8 +79,8 @@ impl Kind for ContactKind {
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components
-            .refer("Contact", about, |components| forms(["AngleContact", "VectorContact"], "A contact", components, |schema| schema).into())
+        let names = ["AngleContact", "VectorContact"];
+        components.refer("Contact", about, |components| forms(names, "A contact", components, &|schema| schema))
     }
 }
 
@@ -105,9 +104,12 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
     })
 }
 
+/// The values of either form in one pass.
+pub(super) type FormSlots = (AngleSlots, VectorSlots);
+
 /// The contact from values read in one pass; `None` if there is a fault.
 #[inline]
-pub(super) fn accept((angles, vectors): (AngleSlots, VectorSlots)) -> Option<StatedContact> {
+pub(super) fn accept((angles, vectors): FormSlots) -> Option<StatedContact> {
     let contact = match (angles.are_absent(), vectors.are_absent()) {
         (false, true) => angles.accept()?.contact(),
         (true, false) => vectors.accept()?.contact(),
@@ -117,17 +119,11 @@ pub(super) fn accept((angles, vectors): (AngleSlots, VectorSlots)) -> Option<Sta
 }
 
 /// The schemas of the two forms, each with the members that `with` adds.
-pub(super) fn forms(
-    names: [&str; 2],
-    about: &str,
-    components: &mut Components,
-    with: impl Fn(ObjectSchema<'_>) -> ObjectSchema<'_>,
-) -> OneOfBuilder {
-    let angles = components.refer(names[0], "", |components| {
-        with(ObjectSchema::new(&format!("{about}, by angles"), components).with::<AngleMembers>()).build()
-    });
-    let vectors = components.refer(names[1], "", |components| {
-        with(ObjectSchema::new(&format!("{about}, by vectors"), components).with::<VectorMembers>()).build()
-    });
-    OneOfBuilder::new().description(Some(about)).item(angles).item(vectors)
+pub(super) fn forms([angles, vectors]: [&str; 2], about: &str, components: &mut Components, with: AddMembers<'_>) -> RefOr<Schema> {
+    let (by_angles, by_vectors) = (format!("{about}, by angles"), format!("{about}, by vectors"));
+    let forms: [(&str, &str, AddMembers<'_>); 2] = [
+        (angles, &by_angles, &|schema| with(AngleMembers::describe(schema))),
+        (vectors, &by_vectors, &|schema| with(VectorMembers::describe(schema))),
+    ];
+    components.one_of(about, &forms).into()
 }

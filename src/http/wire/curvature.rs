@@ -2,12 +2,11 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    Columns, Components, Faulted, Faults, Form, Kind, Members, Object, ObjectSchema, Pair, PlainKind, Quantity, Slots, members,
+    AddMembers, Components, Faulted, Faults, Form, Kind, Members, Object, Pair, PlainKind, Quantity, Slots, at_most_one, members,
 };
 use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
 use crate::quantity::{Angle, OutOfRange};
-use utoipa::openapi::schema::OneOfBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
 const RADIUS: Quantity<SurfaceCurvature> = Quantity::new(SurfaceCurvature::from_radius_mm, 120.0)
@@ -19,7 +18,7 @@ const fn per_mm(example: f64) -> Quantity<f64> {
 
 members! {
     /// The members for the curvature, of which at most one may be given.
-    pub(super) plain struct CurvatureMembers / CurvatureSlots / CurvatureColumns {
+    pub(super) plain struct CurvatureMembers / CurvatureSlots {
         radius: optional SURFACE_RADIUS: Quantity<SurfaceCurvature> = ("surface_radius_mm", RADIUS,
             "the surface's radius of curvature across the feed, along which it is straight: positive convex, negative concave, absent = plane; at least 1e-6 in magnitude; or give surface_curvature"),
         curvature: optional SURFACE_CURVATURE: CurvatureKind = ("surface_curvature", CurvatureKind,
@@ -28,7 +27,7 @@ members! {
 }
 members! {
     /// A curvature by its components in the axes of the feed.
-    pub(super) plain struct ComponentMembers / ComponentSlots / ComponentColumns {
+    pub(super) plain struct ComponentMembers / ComponentSlots {
         along: optional ALONG: Quantity<f64> = ("along_per_mm", per_mm(-0.004),
             "1/radius along the feed: positive convex, negative concave; absent = 0"),
         across: optional ACROSS: Quantity<f64> = ("across_per_mm", per_mm(0.01),
@@ -39,7 +38,7 @@ members! {
 }
 members! {
     /// A curvature by its principal curvatures.
-    pub(super) plain struct PrincipalMembers / PrincipalSlots / PrincipalColumns {
+    pub(super) plain struct PrincipalMembers / PrincipalSlots {
         principal: required PRINCIPAL: Pair = ("principal_per_mm", Pair { of: per_mm(0.012), example: [0.012, -0.005] },
             "the two principal curvatures, 1/radius: positive convex, negative concave"),
         angle: required PRINCIPAL_ANGLE: Quantity<Angle> = ("angle_deg", Quantity::new(Angle::from_degrees, 30.0),
@@ -66,11 +65,8 @@ impl CurvatureMembers {
     /// The curvature, if one is given; `None` if both members are.
     pub(super) fn stated(&self) -> Option<Result<Option<StatedCurvature>, Faulted>> {
         let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
-        match (self.radius, self.curvature) {
-            (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
-            (radius, Ok(None)) => Some(radius.map(|stated| stated.map(of(SURFACE_RADIUS.name)))),
-            (Ok(None), curvature) => Some(curvature.map(|stated| stated.map(of(SURFACE_CURVATURE.name)))),
-        }
+        let by_radius = self.radius.map(|stated| stated.map(of(SURFACE_RADIUS.name)));
+        at_most_one(by_radius, self.curvature.map(|stated| stated.map(of(SURFACE_CURVATURE.name))))
     }
 }
 
@@ -109,31 +105,21 @@ impl Kind for CurvatureKind {
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer("SurfaceCurvature", about, |components| {
-            let by_components = components.refer("CurvatureComponents", "", |components| {
-                ObjectSchema::new("A curvature by its components along and across the feed", components).with::<ComponentMembers>().build()
-            });
-            let by_principal = components.refer("PrincipalCurvatures", "", |components| {
-                ObjectSchema::new("A curvature by its principal curvatures", components).with::<PrincipalMembers>().build()
-            });
-            OneOfBuilder::new()
-                .description(Some("The surface's curvature at a contact, in one of two forms"))
-                .item(by_components)
-                .item(by_principal)
-                .into()
-        })
+        let forms: [(_, _, AddMembers<'_>); 2] = [
+            ("CurvatureComponents", "A curvature by its components along and across the feed", &ComponentMembers::describe),
+            ("PrincipalCurvatures", "A curvature by its principal curvatures", &PrincipalMembers::describe),
+        ];
+        let union = "The surface's curvature at a contact, in one of two forms";
+        components.refer("SurfaceCurvature", about, |components| components.one_of(union, &forms).into())
     }
 }
 
 impl PlainKind for CurvatureKind {
     type Plain = FormSlots;
-    type Column = FormColumns;
 
     fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
-        components.refer("SurfaceCurvatureColumns", about, |components| {
-            let schema = ObjectSchema::new("Columns of curvatures, each contact in one of two forms", components);
-            FormColumns::describe(schema, most).build()
-        })
+        let columns = "Columns of curvatures, each contact in one of two forms";
+        components.refer_object("SurfaceCurvatureColumns", about, columns, &|schema| FormSlots::describe_columns(schema, most))
     }
 
     fn accept(&self, plain: FormSlots) -> Option<SurfaceCurvature> {
@@ -149,6 +135,3 @@ impl PlainKind for CurvatureKind {
 
 /// The values of either form in one pass.
 type FormSlots = (ComponentSlots, PrincipalSlots);
-
-/// Columns of curvatures: one object of arrays.
-type FormColumns = (ComponentColumns, PrincipalColumns);

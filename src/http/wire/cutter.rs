@@ -1,9 +1,7 @@
 //! Toroidal, ball-end and flat-end cutters, discriminated by `type`.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{
-    AddMembers, Choice, Components, Faulted, Faults, Kind, Member, Members, Object, ObjectSchema, Quantity, Whole, WireObject, members,
-};
+use crate::http::reading::{AddMembers, Choice, Components, Faulted, Faults, Kind, Member, Members, Object, Quantity, Whole, members};
 use crate::json_text::{JsonPath, JsonText};
 use crate::milling::Cutter;
 use crate::quantity::Length;
@@ -25,30 +23,18 @@ enum Type {
     FlatEnd,
 }
 
-const TYPE: Member<Choice<Type>> = Member {
-    name: "type",
-    about: "the kind of cutter: toroidal (bull_nose is the same), ball_end or flat_end",
-    kind: Choice {
+const TYPE: Member<Choice<Type>> = Member::new(
+    "type",
+    "the kind of cutter: toroidal (bull_nose is the same), ball_end or flat_end",
+    Choice {
         name: None,
         words: &[("toroidal", Type::Toroidal), ("bull_nose", Type::Toroidal), ("ball_end", Type::BallEnd), ("flat_end", Type::FlatEnd)],
     },
-};
-
-/// The member `cutter` of the calculations.
-pub(crate) const CUTTER: Member<AnyCutter> =
-    Member { name: "cutter", about: "the cutter, one of three kinds, discriminated by type", kind: AnyCutter };
-
-/// The member `toroidal` of a comparison of two cutters.
-pub(crate) const TOROIDAL: Member<ToroidalCutter> =
-    Member { name: "toroidal", about: "the toroidal cutter to compare", kind: ToroidalCutter };
-
-/// The member `ball_end` of a comparison of two cutters.
-pub(crate) const BALL_END: Member<BallEndCutter> =
-    Member { name: "ball_end", about: "the ball-end cutter to compare", kind: BallEndCutter };
+);
 
 members! {
     /// The dimensions of a toroidal cutter.
-    pub(crate) struct ToroidalDimensions {
+    pub(crate) struct ToroidalDimensions for ToroidalCutter ("ToroidalDimensions", "The dimensions of a toroidal cutter: 0 < r < R") -> Cutter {
         diameter: required DIAMETER: Quantity<Length> = ("diameter_mm", Quantity::length(10.0), "cutting diameter 2R (ISO 13399: DC)"),
         corner_radius: required CORNER_RADIUS: Quantity<Length> = ("corner_radius_mm", Quantity::length(2.0),
             "corner radius r (ISO 13399: RE), under half the diameter"),
@@ -56,7 +42,7 @@ members! {
 }
 members! {
     /// The dimension of a ball-end or flat-end cutter.
-    pub(crate) struct DiameterOnly {
+    pub(crate) struct DiameterOnly for BallEndCutter ("BallEndDimensions", "The dimension of a ball-end cutter") -> Cutter {
         diameter: required DIAMETER: Quantity<Length>,
     }
 }
@@ -69,7 +55,7 @@ members! {
 }
 
 impl ToroidalDimensions {
-    fn cutter(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
+    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
         Cutter::toroidal(self.diameter?, self.corner_radius?)
             .map_err(|error| faults.add(&path.member(CORNER_RADIUS.name), RequestFault::CornerRadiusTooLarge, error))
     }
@@ -91,7 +77,7 @@ impl Kind for AnyCutter {
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         const ABOUT: &str = "A cutter, one of three kinds, discriminated by type";
-        kinds_schema(["Cutter", "ToroidalCutter", "BallEndCutter", "FlatEndCutter"], ABOUT, AnyMembers::describe, about, components)
+        kinds_schema(["Cutter", "ToroidalCutter", "BallEndCutter", "FlatEndCutter"], ABOUT, &AnyMembers::describe, about, components)
     }
 }
 
@@ -99,7 +85,7 @@ impl Kind for AnyCutter {
 pub(super) fn read_geometry(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
     let path = object.path();
     match object.required(&TYPE, faults) {
-        Ok(Type::Toroidal) => ToroidalDimensions::read(object, faults).cutter(&path, faults),
+        Ok(Type::Toroidal) => ToroidalDimensions::read(object, faults).build(&path, faults),
         Ok(Type::BallEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::ball_end),
         Ok(Type::FlatEnd) => DiameterOnly::read(object, faults).diameter.map(Cutter::flat_end),
         // Without a type, a corner radius can be neither missing nor unknown.
@@ -115,56 +101,33 @@ pub(super) fn read_geometry(object: &mut Object<'_, '_>, faults: &mut Faults) ->
 pub(super) fn kinds_schema(
     names: [&'static str; 4],
     of_union: &str,
-    further: AddMembers,
+    further: AddMembers<'_>,
     about: &str,
     components: &mut Components,
 ) -> RefOr<Schema> {
     let [union, toroidal, ball_end, flat_end] = names;
     components.refer(union, about, |components| {
-        let kinds: [(_, _, _, AddMembers); 3] = [
-            (Type::Toroidal, toroidal, "A toroidal (bull-nose, torus-end) cutter: 0 < r < R", ToroidalDimensions::describe),
-            (Type::BallEnd, ball_end, "A ball-end (ball-nose) cutter: r = R", DiameterOnly::describe),
-            (Type::FlatEnd, flat_end, "A flat-end cutter: r = 0", DiameterOnly::describe),
+        let kinds: [(_, _, _, AddMembers<'_>); 3] = [
+            (Type::Toroidal, toroidal, "A toroidal (bull-nose, torus-end) cutter: 0 < r < R", &ToroidalDimensions::describe),
+            (Type::BallEnd, ball_end, "A ball-end (ball-nose) cutter: r = R", &DiameterOnly::describe),
+            (Type::FlatEnd, flat_end, "A flat-end cutter: r = 0", &DiameterOnly::describe),
         ];
         let mut any = OneOfBuilder::new().description(Some(of_union));
         let mut mapping = Vec::new();
         for (kind, name, about, dimensions) in kinds {
             let words: Vec<_> = TYPE.kind.words.iter().filter(|(_, of_word)| *of_word == kind).map(|(word, _)| *word).collect();
             mapping.extend(words.iter().map(|word| (*word, format!("#/components/schemas/{name}"))));
-            let of_type = ObjectBuilder::new().schema_type(SchemaKind::String).description(Some(TYPE.about)).enum_values(Some(words));
-            any = any.item(components.refer(name, "", |components| {
-                let schema = ObjectSchema::new(about, components).required_property(TYPE.name, of_type);
-                further(dimensions(schema)).build()
-            }));
+            let of_type: RefOr<Schema> =
+                ObjectBuilder::new().schema_type(SchemaKind::String).description(Some(TYPE.about)).enum_values(Some(words)).into();
+            let add: AddMembers<'_> = &|schema| further(dimensions(schema.required_property(TYPE.name, of_type.clone())));
+            any = any.item(components.refer_object(name, "", about, add));
         }
         any.discriminator(Some(Discriminator::with_mapping(TYPE.name, mapping))).into()
     })
 }
 
-/// A toroidal cutter without `type`.
-pub(crate) struct ToroidalCutter;
-
-impl WireObject for ToroidalCutter {
-    const NAME: &'static str = "ToroidalDimensions";
-    const ABOUT: &'static str = "The dimensions of a toroidal cutter: 0 < r < R";
-    type Members = ToroidalDimensions;
-    type Value = Cutter;
-
-    fn build(members: ToroidalDimensions, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Cutter, Faulted> {
-        members.cutter(path, faults)
-    }
-}
-
-/// A ball-end cutter without `type`.
-pub(crate) struct BallEndCutter;
-
-impl WireObject for BallEndCutter {
-    const NAME: &'static str = "BallEndDimensions";
-    const ABOUT: &'static str = "The dimension of a ball-end cutter";
-    type Members = DiameterOnly;
-    type Value = Cutter;
-
-    fn build(members: DiameterOnly, _: &JsonPath<'_>, _: &mut Faults) -> Result<Cutter, Faulted> {
-        members.diameter.map(Cutter::ball_end)
+impl DiameterOnly {
+    fn build(self, _: &JsonPath<'_>, _: &mut Faults) -> Result<Cutter, Faulted> {
+        self.diameter.map(Cutter::ball_end)
     }
 }

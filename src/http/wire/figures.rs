@@ -5,7 +5,7 @@ use super::summary::Check;
 use crate::http::reading::Components;
 use crate::milling::{Contact, EvaluatedPass, NoAnswer, ScallopHeight};
 use crate::quantity::Length;
-use serde::{Serialize, Serializer};
+use serde_json::Value;
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, OneOfBuilder, SchemaFormat, SchemaType, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -122,24 +122,6 @@ enum Presence {
     Only(&'static str),
 }
 
-/// A value of a figure.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum FigureValue {
-    Number(f64),
-    Word(&'static str),
-    Words([Option<&'static str>; MOST_WORDS]),
-}
-
-impl Serialize for FigureValue {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Number(number) => serializer.serialize_f64(*number),
-            Self::Word(word) => serializer.serialize_str(word),
-            Self::Words(words) => serializer.collect_seq(words.iter().flatten()),
-        }
-    }
-}
-
 /// The figures in the answers of all calculations.
 pub(crate) const COMMON_FIGURES: &[Figure] = &[
     Figure::number("scallop_height_mm", "h, the scallop height", |figures| figures.height.map(Length::mm)).from(Heights::Total),
@@ -219,11 +201,11 @@ impl Figure {
     }
 
     /// The figure's value; `None` if it has none.
-    pub(crate) fn value(&self, figures: &Figures) -> Option<FigureValue> {
+    pub(crate) fn value(&self, figures: &Figures) -> Option<Value> {
         match self.get {
-            Get::Number(get) => get(figures).map(FigureValue::Number),
-            Get::Word(get, _) => get(figures).map(FigureValue::Word),
-            Get::Words(get, _) => Some(FigureValue::Words(get(figures))),
+            Get::Number(get) => get(figures).map(Value::from),
+            Get::Word(get, _) => get(figures).map(Value::from),
+            Get::Words(get, _) => Some(get(figures).into_iter().flatten().collect()),
         }
     }
 

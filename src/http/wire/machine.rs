@@ -2,7 +2,7 @@
 //! spindle speed and clearance are optional.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, Member, Quantity, WireObject, members, text};
+use crate::http::reading::{Components, Faulted, Faults, Kind, Member, Quantity, members, text};
 use crate::json_text::{JsonPath, JsonText};
 use crate::motion::{self, MachineLimits, PRESETS, Preset};
 use crate::quantity::{Acceleration, Jerk, Length, Speed, SpindleSpeed};
@@ -10,15 +10,12 @@ use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The member `machine`.
-pub(crate) const MACHINE: Member<Machine> = Member {
-    name: "machine",
-    about: "the machine: a preset's name, or all three limits; limits beside a preset override its own",
-    kind: Machine,
-};
+pub(crate) const MACHINE: Member<Machine> =
+    Member::new("machine", "the machine: a preset's name, or all three limits; limits beside a preset override its own", Machine);
 
 members! {
     /// The members of a machine.
-    pub(crate) struct MachineMembers {
+    pub(crate) struct MachineMembers for Machine ("Machine", "A machine: a preset's name, or all three limits; limits beside a preset override its own") -> motion::Machine {
         preset: optional PRESET: PresetName = ("preset", PresetName, "the name of a machine that GET /v1/machines lists"),
         feed_rate: optional FEED_RATE: Quantity<Speed> = ("feed_rate_mm_min", Quantity::new(Speed::from_mm_min, 5000.0),
             "V, the programmed feed rate in mm/min"),
@@ -35,22 +32,14 @@ members! {
     }
 }
 
-/// A preset, limits, or both.
-pub(crate) struct Machine;
-
-impl WireObject for Machine {
-    const NAME: &'static str = "Machine";
-    const ABOUT: &'static str = "A machine: a preset's name, or all three limits; limits beside a preset override its own";
-    type Members = MachineMembers;
-    type Value = motion::Machine;
-
-    fn build(members: MachineMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<motion::Machine, Faulted> {
-        let preset = members.preset.map(|preset| preset.map(|preset| preset.limits));
-        let feed_rate = limit(&FEED_RATE, members.feed_rate, preset, |limits| limits.feed_rate, path, faults);
-        let acceleration = limit(&ACCELERATION, members.acceleration, preset, |limits| limits.acceleration, path, faults);
-        let jerk = limit(&JERK, members.jerk, preset, |limits| limits.jerk, path, faults);
+impl MachineMembers {
+    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<motion::Machine, Faulted> {
+        let preset = self.preset.map(|preset| preset.map(|preset| preset.limits));
+        let feed_rate = limit(&FEED_RATE, self.feed_rate, preset, |limits| limits.feed_rate, path, faults);
+        let acceleration = limit(&ACCELERATION, self.acceleration, preset, |limits| limits.acceleration, path, faults);
+        let jerk = limit(&JERK, self.jerk, preset, |limits| limits.jerk, path, faults);
         preset?;
-        let (rapid_rate, max_spindle_speed, clearance_height) = (members.rapid_rate, members.max_spindle_speed, members.clearance_height);
+        let (rapid_rate, max_spindle_speed, clearance_height) = (self.rapid_rate, self.max_spindle_speed, self.clearance_height);
         let machine = motion::Machine::from(MachineLimits { feed_rate: feed_rate?, acceleration: acceleration?, jerk: jerk? });
         Ok(motion::Machine {
             rapid_rate: rapid_rate?.unwrap_or(machine.rapid_rate),

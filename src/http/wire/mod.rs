@@ -1,11 +1,12 @@
 //! The JSON objects of requests and answers, one file for each. An object of a request declares its members once; its
-//! reader, its schema and the fast path of batches are generated. A figure of an answer has one row of a table with
-//! name, description and getter.
+//! reader, its schema and the fast path of batches are generated. A figure of a calculation's answer has one row of a
+//! table with name, description and getter; a member of another answer has one row of `answer!` with the same.
 
+mod answer;
 mod batch_contact;
 mod candidate;
 mod contact;
-mod contact_columns;
+mod contacts;
 mod curvature;
 mod cutter;
 mod feed;
@@ -25,20 +26,21 @@ mod surface;
 mod unit;
 mod warning;
 
-pub(crate) use batch_contact::{BatchContact, batch_contact_schemas};
-pub(crate) use candidate::{CUTTERS, CandidateKind, MOST_CUTTERS, NamedCandidate};
+pub(crate) use answer::answer;
+pub(crate) use batch_contact::BatchContact;
+pub(crate) use candidate::{CandidateKind, MOST_CUTTERS, NamedCandidate};
 pub(crate) use contact::{CONTACT, StatedContact};
-pub(crate) use contact_columns::{ContactColumns, contact_columns_schema};
-pub(crate) use cutter::{BALL_END, BallEndCutter, CUTTER, TEETH, TOROIDAL, ToroidalCutter};
+pub(crate) use contacts::Contacts;
+pub(crate) use cutter::{BallEndCutter, TEETH, ToroidalCutter};
 pub(crate) use figures::{CHECK_FIGURES, COMMON_FIGURES, Figure, Figures, Get, Heights};
 pub(crate) use machine::{MACHINE, Machine};
 pub(crate) use model::{MODEL, PLAN_MODEL};
 pub(crate) use no_answer::no_answer;
 pub(crate) use not_ranked::NotRanked;
-pub(crate) use parameters::{ContactParameters, SharedMembers, SharedParameters, StatedParameters, TOLERANCE};
-pub(crate) use selection::{PIECES_NAME, SELECT, SelectKind};
+pub(crate) use parameters::{CUTTER, ContactParameters, SharedMembers, SharedParameters, StatedParameters, TOLERANCE};
+pub(crate) use selection::{PIECES_NAME, SelectKind};
 pub(crate) use source::{Source, SurfaceWithSource};
-pub(crate) use summary::{Check, ColumnExtremes, Extreme, Extremes, Failure, Summary};
+pub(crate) use summary::{Check, Extreme, Extremes, Failure, InOrder, Summary};
 pub(crate) use surface::SURFACE;
 pub(crate) use unit::UNIT;
 pub(crate) use warning::Warning;

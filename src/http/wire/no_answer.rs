@@ -1,11 +1,8 @@
 //! Converts the reason why a pass has no answer to a fault of the request, with its member, code and figures.
 
 use super::contact::{CONTACT, StatedContact};
-use super::cutter::CUTTER;
 use super::feed::FEED_PER_TOOTH;
-use super::parameters::{ContactParameters, TOLERANCE};
-use super::runout::RUNOUT;
-use crate::http::codes::NoAnswerCode;
+use super::parameters::{CUTTER, ContactParameters, RUNOUT, TOLERANCE};
 use crate::http::reading::Fault;
 use crate::json_text::JsonPath;
 use crate::milling::NoAnswer;
@@ -31,6 +28,5 @@ pub(crate) fn no_answer(
         NoAnswer::RunoutUsesUpTolerance => path.member(RUNOUT.name),
         NoAnswer::ToleranceLimitsNoStepOver { .. } | NoAnswer::ToleranceLimitsNoFeed { .. } => path.member(TOLERANCE.name),
     };
-    let (code, figures) = NoAnswerCode::of(cause);
-    Fault { figures, ..Fault::new(&path, code, cause) }
+    Fault::no_answer(cause, &path, cause)
 }

@@ -1,27 +1,25 @@
 //! The parameters of the calculations: those of the whole request, and those that each contact may override.
 
-use super::curvature::{CurvatureColumns, CurvatureMembers, CurvatureSlots, SURFACE_RADIUS, StatedCurvature};
-use super::cutter::{AnyCutter, CUTTER, StatedCutter};
-use super::feed::{Feed, FeedColumns, FeedMembers, FeedSlots};
+use super::curvature::{CurvatureMembers, CurvatureSlots, SURFACE_RADIUS, StatedCurvature};
+use super::cutter::{AnyCutter, StatedCutter};
+use super::feed::{Feed, FeedMembers, FeedSlots};
 use super::model::MODEL;
-use super::runout::{RUNOUT, RunoutObject};
-use super::step_over::{self, StepOverColumns, StepOverMembers, StepOverSlots};
-use crate::http::reading::{
-    Choice, Columns, Faulted, Faults, Member, Members, Object, ObjectSchema, PlainColumns, Quantity, Slots, members,
-};
+use super::runout::RunoutObject;
+use super::step_over::{self, StepOverMembers, StepOverSlots};
+use crate::http::reading::{Choice, Faulted, Faults, KnownColumns, Member, Members, Object, ObjectSchema, Quantity, Slots, members};
 use crate::json_text::JsonPath;
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
 
 /// The tolerance of the calculations that have one.
 pub(crate) const TOLERANCE: Member<Quantity<Length>> =
-    Member { name: "scallop_tolerance_mm", about: "the scallop height that must not be exceeded", kind: Quantity::length(0.015) };
+    Member::new("scallop_tolerance_mm", "the scallop height that must not be exceeded", Quantity::length(0.015));
 
 members! {
     /// The members that apply to all contacts of a request.
     pub(crate) struct SharedMembers {
-        cutter: required CUTTER: AnyCutter,
-        runout: optional RUNOUT: RunoutObject,
+        cutter: required CUTTER: AnyCutter = ("cutter", AnyCutter, "the cutter, one of three kinds, discriminated by type"),
+        runout: optional RUNOUT: RunoutObject = ("runout", RunoutObject, "runout of the teeth, small compared with the feed per tooth; absent = none"),
         model: optional MODEL: Choice<Model>,
     }
 }
@@ -142,28 +140,29 @@ impl ContactParameters {
 /// The values of a contact's parameters.
 pub(super) type ParameterSlots = ((StepOverSlots, FeedSlots), CurvatureSlots);
 
-/// Columns of the parameters of contacts.
-pub(super) type ParameterColumns = ((StepOverColumns, FeedColumns), CurvatureColumns);
-
 impl StatedParameters {
-    /// Takes from `object` the columns of these parameters.
-    pub(super) fn take_columns(self, object: &mut Object<'_, '_>, most: usize, faults: &mut Faults) -> ParameterColumns {
-        let step_over = if self.step_over { Columns::take(object, most, faults) } else { StepOverColumns::default() };
-        let feed = if self.feed_per_tooth { Columns::take(object, most, faults) } else { FeedColumns::default() };
-        ((step_over, feed), Columns::take(object, most, faults))
+    /// The name of a contact with these parameters of its own, after the form in which the contact is.
+    pub(super) fn name(self, form: &str) -> String {
+        let of_parameters = match (self.step_over, self.feed_per_tooth) {
+            (true, true) => "Parameters",
+            (true, false) => "StepOver",
+            (false, true) => "Feed",
+            (false, false) => "Curvature",
+        };
+        format!("{form}With{of_parameters}")
     }
 
-    /// Takes from `columns` those of these parameters; `None` if one is unusual.
-    pub(super) fn take_plain_columns(self, columns: &mut PlainColumns<'_>, most: usize) -> Option<ParameterColumns> {
-        let step_over = if self.step_over { Columns::take_plain(columns, most)? } else { StepOverColumns::default() };
-        let feed = if self.feed_per_tooth { Columns::take_plain(columns, most)? } else { FeedColumns::default() };
-        Some(((step_over, feed), Columns::take_plain(columns, most)?))
+    /// The columns of these parameters.
+    pub(super) fn columns(self) -> KnownColumns {
+        let step_over = if self.step_over { StepOverSlots::columns() } else { Vec::new() };
+        let feed = if self.feed_per_tooth { FeedSlots::columns() } else { Vec::new() };
+        step_over.into_iter().chain(feed).chain(CurvatureSlots::columns()).collect()
     }
 
     /// Adds columns of these parameters to a schema.
     pub(super) fn describe_columns(self, schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
-        let schema = if self.step_over { StepOverColumns::describe(schema, most) } else { schema };
-        let schema = if self.feed_per_tooth { FeedColumns::describe(schema, most) } else { schema };
-        CurvatureColumns::describe(schema, most)
+        let schema = if self.step_over { StepOverSlots::describe_columns(schema, most) } else { schema };
+        let schema = if self.feed_per_tooth { FeedSlots::describe_columns(schema, most) } else { schema };
+        CurvatureSlots::describe_columns(schema, most)
     }
 }

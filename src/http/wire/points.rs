@@ -15,43 +15,39 @@ pub(super) fn each_point(
     faults: &mut Faults,
     mut take: impl FnMut([f64; 3]),
 ) -> Result<(), Faulted> {
-    let mut in_bounds = true;
-    let read = read_triples(
-        raw.get(),
-        faults.cancel_flag(),
-        |points| points,
-        |points: Vec<[f64; 3]>| {
-            for point in points {
-                in_bounds &= is_in_bounds(point);
-                take(point);
-            }
-        },
-    );
-    if read.is_some() && in_bounds { Ok(()) } else { find_faults(raw, path, faults) }
+    let read = each_part(raw.get(), faults, |points| points, |points| points.into_iter().for_each(&mut take));
+    read.map_or_else(|| find_faults(raw, path, faults), Ok)
 }
 
 /// Adds every point of the array `json` to `surface`, in parts that all cores sum. `json` must be a part of the text of
 /// a JSON value. `None` if it is not an array of points; some points may have been added then.
 pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut ReceivedSurface) -> Option<()> {
-    let mut in_bounds = true;
     let part = |points: Vec<[f64; 3]>| {
         let mut part = ReceivedPart::default();
-        for point in &points {
-            part.point(*point);
+        for point in points {
+            part.point(point);
         }
-        (points.into_iter().all(is_in_bounds), part)
+        part
     };
-    let read = read_triples(json, faults.cancel_flag(), part, |(is_fine, part)| {
-        in_bounds &= is_fine;
-        surface.append(part);
+    each_part(json, faults, part, |part| surface.append(part))
+}
+
+/// Passes the points of the array `json` in blocks to `part`, on all cores, and the results in order to `take`. `None`
+/// if it is not an array of points.
+fn each_part<T: Send>(json: &str, faults: &Faults, part: impl Fn(Vec<[f64; 3]>) -> T + Sync, mut take: impl FnMut(T)) -> Option<()> {
+    let mut are_in_bounds = true;
+    let checked = |points: Vec<[f64; 3]>| (points.iter().flatten().copied().all(is_in_bounds), part(points));
+    let read = read_triples(json, faults.cancel_flag(), checked, |(is_fine, part)| {
+        are_in_bounds &= is_fine;
+        take(part);
     });
-    read.filter(|()| in_bounds)
+    read.filter(|()| are_in_bounds)
 }
 
 /// Finds all faults of an array of points that is known to have one.
 pub(super) fn find_faults(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
     let mut result = Ok(());
-    each_raw(raw, path, faults, |index, item, faults| {
+    each_raw(raw, "an array", path, faults, |index, item, faults| {
         result = result.and(point(item, path.item(index), faults).map(|_| ()));
     })?;
     result.and_then(|()| Err(faults.add(&path, RequestFault::WrongType, "expected an array of points")))
@@ -60,7 +56,7 @@ pub(super) fn find_faults(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Fa
 /// One point.
 pub(super) fn point(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
     let mut coordinates = [Ok(0.0); 3];
-    let count = each_raw(raw, path, faults, |index, item, faults| {
+    let count = each_raw(raw, "an array", path, faults, |index, item, faults| {
         if let Some(coordinate) = coordinates.get_mut(index) {
             *coordinate = bounded(item, path.item(index), faults);
         }
@@ -75,15 +71,15 @@ pub(super) fn point(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) 
 
 fn bounded(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
     let coordinate = number(raw, path, faults)?;
-    if coordinate.abs() <= LARGEST_COORDINATE {
+    if is_in_bounds(coordinate) {
         return Ok(coordinate);
     }
     let detail = format_args!("a coordinate must be at most {LARGEST_COORDINATE:e} in magnitude, found {}", describe(raw));
     Err(faults.add(&path, RequestFault::OutOfRange, detail))
 }
 
-fn is_in_bounds(point: [f64; 3]) -> bool {
-    point.iter().all(|coordinate| coordinate.abs() <= LARGEST_COORDINATE)
+fn is_in_bounds(coordinate: f64) -> bool {
+    coordinate.abs() <= LARGEST_COORDINATE
 }
 
 /// An array of points that is only checked, for its faults and its schema.

@@ -2,25 +2,18 @@
 
 use super::points::{point, point_schema};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, List, Member, Quantity, Whole, WireObject, members};
+use crate::http::reading::{Components, Faulted, Faults, Kind, List, Quantity, Whole, members};
 use crate::json_text::{JsonPath, JsonText};
 use crate::quantity::Angle;
 use crate::surface::mesh::{Selection, SelectionError};
 use utoipa::openapi::{RefOr, Schema};
-
-/// The member `select` of a recommendation.
-pub(crate) const SELECT: Member<SelectKind> = Member {
-    name: "select",
-    about: "which facets are machined: those that meet all stated conditions; the cutter must not gouge the other facets, which still hide those below them",
-    kind: SelectKind,
-};
 
 /// The member of `select` that lists pieces. The fault of an unknown piece points to it.
 pub(crate) const PIECES_NAME: &str = PIECES.name;
 
 members! {
     /// The members of a selection.
-    pub(crate) struct SelectionMembers {
+    pub(crate) struct SelectionMembers for SelectKind ("Selection", "Conditions that a facet must meet, all of them, to be machined") -> Selection {
         slopes: optional SLOPES: List<Quantity<Angle>> = ("slope_deg",
             List { item: Quantity::slope(60.0), about_item: "an angle from the horizontal", fewest: 2, most: 2 },
             "the smallest and the largest slope"),
@@ -31,17 +24,9 @@ members! {
     }
 }
 
-/// Conditions on facets.
-pub(crate) struct SelectKind;
-
-impl WireObject for SelectKind {
-    const NAME: &'static str = "Selection";
-    const ABOUT: &'static str = "Conditions that a facet must meet, all of them, to be machined";
-    type Members = SelectionMembers;
-    type Value = Selection;
-
-    fn build(members: SelectionMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Selection, Faulted> {
-        let SelectionMembers { slopes, bounds, pieces } = members;
+impl SelectionMembers {
+    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Selection, Faulted> {
+        let SelectionMembers { slopes, bounds, pieces } = self;
         let (mut selection, mut refused) = (Selection::all(), Ok(()));
         // Each condition is checked, even if another has a fault.
         let mut narrow =
@@ -61,25 +46,17 @@ impl WireObject for SelectKind {
     }
 }
 
-/// A box by its corners.
-pub(crate) struct BoxKind;
-
 members! {
     /// The corners of a box.
-    pub(crate) struct Corners {
+    pub(crate) struct Corners for BoxKind ("Box", "A box by two corners") -> [[f64; 3]; 2] {
         min: required MIN: Corner = ("min", Corner, "the smallest x, y and z"),
         max: required MAX: Corner = ("max", Corner, "the largest x, y and z"),
     }
 }
 
-impl WireObject for BoxKind {
-    const NAME: &'static str = "Box";
-    const ABOUT: &'static str = "A box by two corners";
-    type Members = Corners;
-    type Value = [[f64; 3]; 2];
-
-    fn build(members: Corners, _: &JsonPath<'_>, _: &mut Faults) -> Result<[[f64; 3]; 2], Faulted> {
-        Ok([members.min?, members.max?])
+impl Corners {
+    fn build(self, _: &JsonPath<'_>, _: &mut Faults) -> Result<[[f64; 3]; 2], Faulted> {
+        Ok([self.min?, self.max?])
     }
 }
 

@@ -92,13 +92,10 @@ impl SurfaceWithSource {
 
     /// Warnings about how the surface was read.
     pub(crate) fn warnings(&self, shape: &Shape) -> Vec<Warning> {
-        let of_facets = [self.degenerate_facets(), self.left_out_facets(shape), of_basis(shape.basis)];
+        let degenerate = self.surface.sampled.degenerate_facets();
+        let degenerate = counted(degenerate, WarningCode::DegenerateFacets, "facets have no area and were left out");
+        let of_facets = [degenerate, self.left_out_facets(shape), of_basis(shape.basis)];
         of_facets.into_iter().flatten().chain(of_notes(self.notes)).collect()
-    }
-
-    fn degenerate_facets(&self) -> Option<Warning> {
-        let count = self.surface.sampled.degenerate_facets();
-        (count > 0).then(|| Warning::new(WarningCode::DegenerateFacets, format!("{count} facets have no area and were left out")))
     }
 
     fn left_out_facets(&self, shape: &Shape) -> Option<Warning> {
@@ -126,19 +123,20 @@ fn of_basis(basis: Basis) -> Option<Warning> {
 }
 
 fn of_notes(notes: Notes) -> impl Iterator<Item = Warning> {
-    let counted = [
-        (notes.further_columns, WarningCode::FurtherColumns, "columns other than x, y and z were left out"),
-        (notes.trailing_bytes, WarningCode::TrailingBytes, "bytes after the end that the file's counts give were left out"),
-        (notes.other_elements, WarningCode::OtherElements, "elements other than vertices and faces were left out"),
-        (notes.missing_points, WarningCode::MissingPoints, "points without coordinates were left out"),
-        (
-            notes.crossed_polygons,
-            WarningCode::CrossedPolygons,
-            "polygons have an outline that crosses itself, and an area that is uncertain",
-        ),
-    ];
-    let counted = counted.into_iter().filter(|(count, ..)| *count > 0);
+    let crossed = "polygons have an outline that crosses itself, and an area that is uncertain";
     let missing_end = "the file ends inside a solid, after a whole facet; it may have been cut off";
-    let missing_end = notes.missing_end.then(|| Warning::new(WarningCode::MissingEnd, missing_end));
-    counted.map(|(count, code, what)| Warning::new(code, format!("{count} {what}"))).chain(missing_end)
+    let warnings = [
+        counted(notes.further_columns, WarningCode::FurtherColumns, "columns other than x, y and z were left out"),
+        counted(notes.trailing_bytes, WarningCode::TrailingBytes, "bytes after the end that the file's counts give were left out"),
+        counted(notes.other_elements, WarningCode::OtherElements, "elements other than vertices and faces were left out"),
+        counted(notes.missing_points, WarningCode::MissingPoints, "points without coordinates were left out"),
+        counted(notes.crossed_polygons, WarningCode::CrossedPolygons, crossed),
+        notes.missing_end.then(|| Warning::new(WarningCode::MissingEnd, missing_end)),
+    ];
+    warnings.into_iter().flatten()
+}
+
+/// A warning about so many items, if there are any.
+fn counted(count: u64, code: WarningCode, what: &str) -> Option<Warning> {
+    (count > 0).then(|| Warning::new(code, format!("{count} {what}")))
 }

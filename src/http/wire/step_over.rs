@@ -1,14 +1,14 @@
 //! The step-over of a request: along the surface, or seen from above.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, Quantity, members};
+use crate::http::reading::{Faulted, Faults, Quantity, at_most_one, members};
 use crate::json_text::JsonPath;
 use crate::milling::StepOver;
 use crate::quantity::Length;
 
 members! {
     /// The members for the step-over, of which at most one may be given.
-    pub(super) plain struct StepOverMembers / StepOverSlots / StepOverColumns {
+    pub(super) plain struct StepOverMembers / StepOverSlots {
         along_surface: optional STEP_OVER: Quantity<Length> = ("step_over_mm", Quantity::length(0.687),
             "step-over s along the surface, perpendicular to the feed; or give step_over_xy_mm"),
         seen_from_above: optional STEP_OVER_XY: Quantity<Length> = ("step_over_xy_mm", Quantity::length(0.65),
@@ -27,11 +27,8 @@ impl StepOverMembers {
 
     /// The step-over, if one is given; `None` if both members are.
     pub(super) fn stated(self) -> Option<Result<Option<StepOver>, Faulted>> {
-        match (self.along_surface, self.seen_from_above) {
-            (Ok(Some(_)) | Err(_), Ok(Some(_)) | Err(_)) => None,
-            (along_surface, Ok(None)) => Some(along_surface.map(|stated| stated.map(StepOver::AlongSurface))),
-            (Ok(None), seen_from_above) => Some(seen_from_above.map(|stated| stated.map(StepOver::SeenFromAbove))),
-        }
+        let along_surface = self.along_surface.map(|stated| stated.map(StepOver::AlongSurface));
+        at_most_one(along_surface, self.seen_from_above.map(|stated| stated.map(StepOver::SeenFromAbove)))
     }
 }
 

@@ -1,36 +1,34 @@
 //! The parts of an answer other than its figures: the check against the envelope, and a batch's failures, counts and
 //! extremes.
 
+use super::answer;
 use crate::http::codes::FaultCode;
 use crate::http::reading::Fault;
 use serde::{Serialize, Serializer};
-use utoipa::ToSchema;
 
-/// The comparison of the analytic height with the envelope's.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-pub(crate) struct Check {
-    /// The height by the cutter's exact shape (model `envelope`).
-    #[schema(minimum = 0)]
-    pub(crate) envelope_scallop_height_mm: f64,
-    /// (height - envelope) / envelope: negative if the model's height is less than the cutter leaves. Absent if the
-    /// envelope's height is 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, minimum = -1)]
-    pub(crate) deviation: Option<f64>,
-}
+answer! {
+    /// The comparison of the analytic height with the envelope's.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Check {
+        /// The height by the cutter's exact shape (model `envelope`).
+        pub(crate) envelope_scallop_height_mm: f64 [minimum = 0],
+        /// (height - envelope) / envelope: negative if the model's height is less than the cutter leaves. Absent if the
+        /// envelope's height is 0.
+        pub(crate) deviation?: f64 [minimum = -1],
+    }
 
-/// A contact of a batch that has no answer.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub(crate) struct Failure {
-    /// The index of the contact, from 0.
-    pub(crate) index: usize,
-    /// The location of the fault: a JSON pointer (RFC 6901) into the request.
-    #[schema(example = "/contacts/17/slope_deg")]
-    pub(crate) pointer: String,
-    pub(crate) code: FaultCode,
-    /// What is wrong and what is expected, for people; further faults of the contact follow the first, each after its
-    /// pointer.
-    pub(crate) detail: String,
+    /// A contact of a batch that has no answer.
+    #[derive(Clone)]
+    pub(crate) struct Failure {
+        /// The index of the contact, from 0.
+        pub(crate) index: usize,
+        /// The location of the fault: a JSON pointer (RFC 6901) into the request.
+        pub(crate) pointer: String [example = "/contacts/17/slope_deg"],
+        pub(crate) code: FaultCode,
+        /// What is wrong and what is expected, for people; further faults of the contact follow the first, each after its
+        /// pointer.
+        pub(crate) detail: String,
+    }
 }
 
 impl Failure {
@@ -43,48 +41,49 @@ impl Failure {
     }
 }
 
-/// A contact with an extreme figure.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-pub(crate) struct Extreme {
-    /// The index of the contact, from 0; the first of equals.
-    pub(crate) index: usize,
-    /// Its figure, as in the column.
-    pub(crate) value: f64,
-}
+answer! {
+    /// A contact with an extreme figure.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Extreme {
+        /// The index of the contact, from 0; the first of equals.
+        pub(crate) index: usize,
+        /// Its figure, as in the column.
+        pub(crate) value: f64,
+    }
 
-/// The extremes of a column of numbers.
-#[derive(Debug, Clone, Copy, Serialize, ToSchema)]
-pub(crate) struct Extremes {
-    /// The contact with the smallest number.
-    pub(crate) minimum: Extreme,
-    /// The contact with the largest number.
-    pub(crate) maximum: Extreme,
-}
-
-/// The extremes of columns, by the columns' names.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct ColumnExtremes(pub(crate) Vec<(&'static str, Extremes)>);
-
-impl Serialize for ColumnExtremes {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().copied())
+    /// The extremes of a column of numbers.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Extremes {
+        /// The contact with the smallest number.
+        pub(crate) minimum: Extreme,
+        /// The contact with the largest number.
+        pub(crate) maximum: Extreme,
     }
 }
 
-/// The counts and extremes of a batch.
-#[derive(Debug, Clone, Default, Serialize, ToSchema)]
-pub(crate) struct Summary {
-    /// The number of contacts sent.
-    pub(crate) count: usize,
-    /// The number of contacts without an answer. `failures` beside the summary lists the first thousand of them.
-    pub(crate) failures: usize,
-    /// The number of contacts whose analytic height is more than 5 % below that of the cutter's exact shape, or whose
-    /// exact shape leaves no height to compare. Only if `columns` names `envelope_scallop_height_mm` or `deviation`:
-    /// the comparison takes longer than the calculation.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub(crate) outside_analytic_range: Option<usize>,
-    /// For each column with numbers, the contacts with the smallest and the largest one.
-    #[schema(value_type = std::collections::BTreeMap<String, Extremes>)]
-    pub(crate) extremes: ColumnExtremes,
+/// A JSON object whose members have an order that its type does not determine.
+#[derive(Debug, Clone)]
+pub(crate) struct InOrder<V>(pub(crate) Vec<(&'static str, V)>);
+
+impl<V: Serialize> Serialize for InOrder<V> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+answer! {
+    /// The counts and extremes of a batch.
+    #[derive(Clone)]
+    pub(crate) struct Summary {
+        /// The number of contacts sent.
+        pub(crate) count: usize,
+        /// The number of contacts without an answer. `failures` beside the summary lists the first thousand of them.
+        pub(crate) failures: usize,
+        /// The number of contacts whose analytic height is more than 5 % below that of the cutter's exact shape, or whose
+        /// exact shape leaves no height to compare. Only if `columns` names `envelope_scallop_height_mm` or `deviation`:
+        /// the comparison takes longer than the calculation.
+        pub(crate) outside_analytic_range?: usize,
+        /// For each column with numbers, the contacts with the smallest and the largest one.
+        pub(crate) extremes: InOrder<Extremes> [value_type = std::collections::BTreeMap<String, Extremes>],
+    }
 }

@@ -3,42 +3,35 @@
 use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
 use super::source::{Source, SurfaceWithSource};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{
-    AddMembers, Components, Faulted, Faults, Kind, List, Member, Object, ObjectSchema, Whole, WireObject, each_raw, members,
-};
+use crate::http::reading::{AddMembers, Components, Faulted, Faults, Kind, List, Member, Object, Whole, each_raw, members};
 use crate::json_text::{JsonPath, JsonText, read_triples};
 use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, ReceivedSurface, Sink};
-use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
+use utoipa::openapi::schema::ArrayBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
 /// The member `surface`.
 pub(crate) const SURFACE: Member<StatedSurface> =
-    Member { name: "surface", about: "the surface: points, a grid of them, a mesh, or a Bezier patch", kind: StatedSurface };
-const POINTS: Member<Points> =
-    Member { name: "points", about: "sample points [x, y, z] spread evenly over the surface, in any order", kind: Points };
-const GRID: Member<GridKind> = Member { name: "grid", about: "points in rows and columns, with facets between neighbours", kind: GridKind };
-const ROWS: Member<Whole> =
-    Member { name: "rows", about: "the number of rows", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
+    Member::new("surface", "the surface: points, a grid of them, a mesh, or a Bezier patch", StatedSurface);
+const POINTS: Member<Points> = Member::new("points", "sample points [x, y, z] spread evenly over the surface, in any order", Points);
+const GRID: Member<GridKind> = Member::new("grid", "points in rows and columns, with facets between neighbours", GridKind);
+const ROWS: Member<Whole> = Member::new("rows", "the number of rows", Whole { minimum: 2, maximum: 1_000_000, example: 3 });
 const COLUMNS: Member<Whole> =
-    Member { name: "columns", about: "the number of points in each row", kind: Whole { minimum: 2, maximum: 1_000_000, example: 3 } };
-const GRID_POINTS: Member<Points> = Member {
-    name: "points",
-    about: "the points [x, y, z], rows times columns of them: all of the first row, then all of the second, and so on",
-    kind: Points,
-};
-const MESH: Member<MeshKind> = Member { name: "mesh", about: "points, and triangles with them as corners", kind: MeshKind };
-const MESH_POINTS: Member<Points> = Member { name: "points", about: "the points [x, y, z]", kind: Points };
-const TRIANGLES: Member<Triangles> = Member {
-    name: "triangles",
-    about: "three indices of points for each triangle, from 0, counter-clockwise seen from outside the part",
-    kind: Triangles,
-};
-const BEZIER: Member<BezierKind> = Member { name: "bezier", about: "a tensor-product Bezier patch", kind: BezierKind };
-const SAMPLES: Member<Whole> = Member {
-    name: "samples",
-    about: "the number of samples along each parameter: the patch is sampled at the centres of samples x samples equal cells of its parameters",
-    kind: Whole { minimum: 2, maximum: 1000, example: 80 },
-};
+    Member::new("columns", "the number of points in each row", Whole { minimum: 2, maximum: 1_000_000, example: 3 });
+const GRID_POINTS: Member<Points> = Member::new(
+    "points",
+    "the points [x, y, z], rows times columns of them: all of the first row, then all of the second, and so on",
+    Points,
+);
+const MESH: Member<MeshKind> = Member::new("mesh", "points, and triangles with them as corners", MeshKind);
+const MESH_POINTS: Member<Points> = Member::new("points", "the points [x, y, z]", Points);
+const TRIANGLES: Member<Triangles> =
+    Member::new("triangles", "three indices of points for each triangle, from 0, counter-clockwise seen from outside the part", Triangles);
+const BEZIER: Member<BezierKind> = Member::new("bezier", "a tensor-product Bezier patch", BezierKind);
+const SAMPLES: Member<Whole> = Member::new(
+    "samples",
+    "the number of samples along each parameter: the patch is sampled at the centres of samples x samples equal cells of its parameters",
+    Whole { minimum: 2, maximum: 1000, example: 80 },
+);
 
 /// A surface in one of its four forms.
 pub(crate) struct StatedSurface;
@@ -78,28 +71,21 @@ impl Kind for StatedSurface {
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer("Surface", about, |components| {
-            let forms: [(_, _, AddMembers); 4] = [
-                ("PointsSurface", "Sample points", |schema| schema.required(&POINTS)),
-                ("GridSurface", "A grid of points", |schema| schema.required(&GRID)),
-                ("MeshSurface", "Triangles with points as corners", |schema| schema.required(&MESH)),
-                ("BezierSurface", "A sampled Bezier patch", |schema| schema.required(&BEZIER).required(&SAMPLES)),
-            ];
-            let mut any = OneOfBuilder::new().description(Some(SURFACE.about));
-            for (name, about, with) in forms {
-                any = any.item(components.refer(name, "", |components| with(ObjectSchema::new(about, components)).build()));
-            }
-            any.into()
-        })
+        let forms: [(_, _, AddMembers<'_>); 4] = [
+            ("PointsSurface", "Sample points", &|schema| schema.required(&POINTS)),
+            ("GridSurface", "A grid of points", &|schema| schema.required(&GRID)),
+            ("MeshSurface", "Triangles with points as corners", &|schema| schema.required(&MESH)),
+            ("BezierSurface", "A sampled Bezier patch", &|schema| schema.required(&BEZIER).required(&SAMPLES)),
+        ];
+        components.refer("Surface", about, |components| components.one_of(SURFACE.about, &forms).into())
     }
 }
 
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
-    let path = object.path();
-    let raw = object.take(POINTS.name, faults).unwrap_or_else(|| unreachable!("the form was chosen by this member"));
+    let raw = object.required_raw(&POINTS, faults)?;
     let mut surface = ReceivedSurface::until(faults.cancel_flag());
     if receive_points(raw.get(), faults, &mut surface).is_none() {
-        find_faults(raw, path.member(POINTS.name), faults)?;
+        find_faults(raw, object.path().member(POINTS.name), faults)?;
     }
     Ok(SurfaceWithSource::stated(surface, Source::Points))
 }
@@ -143,10 +129,8 @@ impl Kind for GridKind {
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer("Grid", about, |components| {
-            let schema = ObjectSchema::new("Points in rows and columns", components);
-            schema.required(&ROWS).required(&COLUMNS).required(&GRID_POINTS).build()
-        })
+        let add: AddMembers<'_> = &|schema| schema.required(&ROWS).required(&COLUMNS).required(&GRID_POINTS);
+        components.refer_object("Grid", about, "Points in rows and columns", add)
     }
 }
 
@@ -154,9 +138,7 @@ fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut F
     let path = object.path();
     let mut grid = Grid::into_sink(rows, columns, ReceivedSurface::until(faults.cancel_flag()))
         .map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
-    let Some(raw) = object.take(GRID_POINTS.name, faults) else {
-        return object.required(&GRID_POINTS, faults).and(Err(Faulted));
-    };
+    let raw = object.required_raw(&GRID_POINTS, faults)?;
     let path = path.member(GRID_POINTS.name);
     each_point(raw, path, faults, |point| grid.point(point))?;
     grid.finish().map_err(|error: GridError| faults.add(&path, RequestFault::WrongCount, error))
@@ -169,22 +151,18 @@ impl Kind for MeshKind {
 
     fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
-        let points = match object.take(MESH_POINTS.name, faults) {
-            Some(raw) => {
-                let mut points = Vec::with_capacity(most_items(raw));
-                each_point(raw, path.member(MESH_POINTS.name), faults, |point| points.push(point)).map(|()| points)
-            }
-            None => object.required(&MESH_POINTS, faults).and(Err(Faulted)),
-        };
+        let points = object.required_raw(&MESH_POINTS, faults).and_then(|raw| {
+            let mut points = Vec::with_capacity(most_items(raw));
+            each_point(raw, path.member(MESH_POINTS.name), faults, |point| points.push(point)).map(|()| points)
+        });
         let triangles = object.required(&TRIANGLES, faults);
         object.close(faults)?;
         mesh(&points?, &triangles?, &path, faults)
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        components.refer("Mesh", about, |components| {
-            ObjectSchema::new("Triangles with points as corners", components).required(&MESH_POINTS).required(&TRIANGLES).build()
-        })
+        let add: AddMembers<'_> = &|schema| schema.required(&MESH_POINTS).required(&TRIANGLES);
+        components.refer_object("Mesh", about, "Triangles with points as corners", add)
     }
 }
 
@@ -245,7 +223,7 @@ impl Kind for Triangles {
         // The pass above stopped at the first fault, without its location. This pass finds all faults, and accepts
         // whole numbers written as 1.0 or 1e3.
         triangles.clear();
-        each_raw(raw, path, faults, |index, item, faults| {
+        each_raw(raw, "an array", path, faults, |index, item, faults| {
             // A default replaces a triangle with a fault, so that the indices of the others are checked too. A request
             // with a fault is not planned.
             triangles.push(Self::one(item, path.item(index), faults).unwrap_or_default());
@@ -263,24 +241,16 @@ impl Kind for Triangles {
 
 members! {
     /// The members of a Bezier patch.
-    pub(crate) struct BezierMembers {
+    pub(crate) struct BezierMembers for BezierKind ("BezierPatch", "A tensor-product Bezier patch") -> Bezier {
         control_points: required CONTROL_POINTS: Net = ("control_points", Net,
             "the rows of control points [x, y, z]: 2 to 20 rows of 2 to 20 points, all rows of the same length"),
     }
 }
 
-/// The control points of a patch.
-pub(crate) struct BezierKind;
-
-impl WireObject for BezierKind {
-    const NAME: &'static str = "BezierPatch";
-    const ABOUT: &'static str = "A tensor-product Bezier patch";
-    type Members = BezierMembers;
-    type Value = Bezier;
-
-    fn build(members: BezierMembers, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Bezier, Faulted> {
+impl BezierMembers {
+    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Bezier, Faulted> {
         let path = path.member(CONTROL_POINTS.name);
-        Bezier::new(&members.control_points?).map_err(|error| match error {
+        Bezier::new(&self.control_points?).map_err(|error| match error {
             BezierError::RaggedRow { row, .. } => faults.add(&path.item(row), RequestFault::WrongCount, error),
             BezierError::Columns(_) => faults.add(&path.item(0), RequestFault::WrongCount, error),
             BezierError::Rows(_) => faults.add(&path, RequestFault::WrongCount, error),
@@ -317,7 +287,7 @@ fn first_items<T>(
     read: impl Fn(JsonText<'_>, JsonPath<'_>, &mut Faults) -> Result<T, Faulted>,
 ) -> Result<Vec<T>, Faulted> {
     let mut items = Vec::new();
-    each_raw(raw, path, faults, |index, item, faults| {
+    each_raw(raw, "an array", path, faults, |index, item, faults| {
         if index < MOST_KEPT {
             items.push(read(item, path.item(index), faults));
         }

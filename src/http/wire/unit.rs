@@ -4,10 +4,10 @@ use crate::http::reading::{Choice, Member};
 use crate::surface::Unit;
 
 /// The member `unit` of a recommendation.
-pub(crate) const UNIT: Member<Choice<Unit>> = Member {
-    name: "unit",
-    about: "the unit of the surface's coordinates; absent = mm, but a 3MF file states its own",
-    kind: Choice {
+pub(crate) const UNIT: Member<Choice<Unit>> = Member::new(
+    "unit",
+    "the unit of the surface's coordinates; absent = mm, but a 3MF file states its own",
+    Choice {
         name: Some("Unit"),
         words: &[
             ("mm", Unit::Millimetre),
@@ -18,4 +18,4 @@ pub(crate) const UNIT: Member<Choice<Unit>> = Member {
             ("foot", Unit::Foot),
         ],
     },
-};
+);

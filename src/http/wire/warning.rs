@@ -1,24 +1,21 @@
 //! Warnings of an answer.
 
+use super::answer;
 use crate::http::codes::{WarningCode, same_names};
 use crate::milling::ModelWarning;
-use serde::Serialize;
-use utoipa::ToSchema;
 
-/// A fact about an answered request that needs attention.
-#[derive(Debug, Clone, Serialize, ToSchema)]
-pub(crate) struct Warning {
-    pub(crate) code: WarningCode,
-    /// An explanation for people; for several contacts, that of the first.
-    pub(crate) detail: String,
-    /// The number of contacts of a batch that have the warning.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub(crate) contacts: Option<usize>,
-    /// The index of the first such contact.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub(crate) first_index: Option<usize>,
+answer! {
+    /// A fact about an answered request that needs attention.
+    #[derive(Clone)]
+    pub(crate) struct Warning {
+        pub(crate) code: WarningCode,
+        /// An explanation for people; for several contacts, that of the first.
+        pub(crate) detail: String,
+        /// The number of contacts of a batch that have the warning.
+        pub(crate) contacts?: usize,
+        /// The index of the first such contact.
+        pub(crate) first_index?: usize,
+    }
 }
 
 impl Warning {

@@ -13,31 +13,22 @@ use tokio_util::io::{ReaderStream, StreamReader};
 /// The largest part of a body that is decompressed at once, in bytes.
 const PART: usize = 16 * 1024;
 
-/// The coding of a request's body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Coding {
-    Identity,
-    Gzip,
-}
-
-impl Coding {
-    /// The coding that the headers name; `None` for another one and for several. Names are case-insensitive, and `x-gzip` is
-    /// another name of gzip (RFC 9110, section 8.4.1).
-    pub(super) fn of(headers: &HeaderMap) -> Option<Self> {
-        let mut names = headers.get_all(header::CONTENT_ENCODING).iter();
-        let Some(name) = names.next() else { return Some(Self::Identity) };
-        let is = |coding: &[u8]| name.as_bytes().eq_ignore_ascii_case(coding);
-        match names.next() {
-            None if is(b"gzip") || is(b"x-gzip") => Some(Self::Gzip),
-            None if is(b"identity") => Some(Self::Identity),
-            _ => None,
-        }
+/// Whether the headers name gzip as the coding of the body; `None` for another coding and for several. Names are
+/// case-insensitive, and `x-gzip` is another name of gzip (RFC 9110, section 8.4.1).
+pub(super) fn is_gzip(headers: &HeaderMap) -> Option<bool> {
+    let mut names = headers.get_all(header::CONTENT_ENCODING).iter();
+    let Some(name) = names.next() else { return Some(false) };
+    let is = |coding: &[u8]| name.as_bytes().eq_ignore_ascii_case(coding);
+    match names.next() {
+        None if is(b"gzip") || is(b"x-gzip") => Some(true),
+        None if is(b"identity") => Some(false),
+        _ => None,
     }
 }
 
 /// The request with its body decompressed, all members of it.
 pub(super) fn decompressed(mut request: Request) -> Request {
-    if Coding::of(request.headers()) != Some(Coding::Gzip) {
+    if is_gzip(request.headers()) != Some(true) {
         return request;
     }
     request.headers_mut().remove(header::CONTENT_ENCODING);
@@ -86,11 +77,11 @@ mod tests {
     fn names_of_codings_have_no_case() {
         let of = |names: &[&'static str]| {
             let headers = names.iter().map(|name| (header::CONTENT_ENCODING, HeaderValue::from_static(name)));
-            Coding::of(&headers.collect())
+            is_gzip(&headers.collect())
         };
-        assert_eq!(of(&[]), Some(Coding::Identity));
-        assert_eq!(["gzip", "GZIP", "x-gzip"].map(|name| of(&[name])), [Some(Coding::Gzip); 3]);
-        assert_eq!(of(&["Identity"]), Some(Coding::Identity));
+        assert_eq!(of(&[]), Some(false));
+        assert_eq!(["gzip", "GZIP", "x-gzip"].map(|name| of(&[name])), [Some(true); 3]);
+        assert_eq!(of(&["Identity"]), Some(false));
         assert_eq!(["br", "gzip, gzip", ""].map(|name| of(&[name])), [None; 3]);
         assert_eq!(of(&["gzip", "br"]), None);
     }

@@ -15,9 +15,17 @@ use crate::memory_budget::Reserved;
 
 /// A decompressed body of at most `max_bytes`.
 pub(super) struct LimitedBody {
-    pub(super) body: Body,
-    pub(super) max_bytes: u64,
-    pub(super) progress: Arc<BodyProgress>,
+    body: Body,
+    /// The bytes so far.
+    bytes: u64,
+    max_bytes: u64,
+    progress: Arc<BodyProgress>,
+}
+
+impl LimitedBody {
+    pub(super) fn new(body: Body, max_bytes: u64, progress: Arc<BodyProgress>) -> Self {
+        Self { body, bytes: 0, max_bytes, progress }
+    }
 }
 
 /// The problem of a body of more than `max_bytes`.
@@ -39,7 +47,8 @@ impl HttpBody for LimitedBody {
             }
         };
         let length = frame.data_ref().map_or(0, |data| data.len() as u64);
-        if self.progress.add_decompressed_bytes(length) > self.max_bytes {
+        self.bytes += length;
+        if self.bytes > self.max_bytes {
             return Poll::Ready(Some(Err(self.progress.note_fault(too_large(self.max_bytes)))));
         }
         match self.progress.budget().reserve(length) {
@@ -66,7 +75,7 @@ mod tests {
 
     async fn read(bytes: usize, max_bytes: u64) -> Result<usize, String> {
         let progress = Arc::new(BodyProgress::begin(true, MemoryBudget::new(150)));
-        let body = LimitedBody { body: Body::from(vec![b'x'; bytes]), max_bytes, progress: Arc::clone(&progress) };
+        let body = LimitedBody::new(Body::from(vec![b'x'; bytes]), max_bytes, Arc::clone(&progress));
         let read = body.collect().await.map(|whole| whole.to_bytes().len()).map_err(|fault| fault.to_string());
         assert_eq!(read.as_ref().err(), progress.fault().map(Problem::to_string).as_ref());
         read
@@ -87,7 +96,7 @@ mod tests {
     async fn bytes_are_reserved_as_long_as_a_part_of_them_is_held() {
         let budget = MemoryBudget::new(150);
         let progress = Arc::new(BodyProgress::begin(true, budget.clone()));
-        let mut body = LimitedBody { body: Body::from(vec![b'x'; 100]), max_bytes: 100, progress };
+        let mut body = LimitedBody::new(Body::from(vec![b'x'; 100]), 100, progress);
         let mut held = body.frame().await.unwrap().unwrap().into_data().unwrap();
         assert_eq!(budget.reserved(), 100);
         drop(held.split_to(99));

@@ -20,7 +20,7 @@ use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
 use crate::http::routes::RouteClass;
 use crate::settings::HttpSettings;
-use gzip::{Coding, decompressed};
+use gzip::{decompressed, is_gzip};
 use limit::{LimitedBody, too_large};
 pub(super) use progress::BodyProgress;
 pub(super) use wire::{Pace, WireBody};
@@ -47,10 +47,9 @@ impl BodyRules {
     #[expect(clippy::result_large_err, reason = "the response is returned as it is, once")]
     pub(super) fn check_head(&self, headers: &HeaderMap) -> Result<(), Response> {
         let max_bytes = self.max_bytes;
-        match Coding::of(headers) {
-            Some(Coding::Gzip) => Ok(()),
-            Some(Coding::Identity) if stated_length(headers).is_none_or(|length| length <= max_bytes) => Ok(()),
-            Some(Coding::Identity) => Err(too_large(max_bytes).into_response()),
+        match is_gzip(headers) {
+            Some(false) if stated_length(headers).is_some_and(|length| length > max_bytes) => Err(too_large(max_bytes).into_response()),
+            Some(_) => Ok(()),
             None => Err(unsupported_encoding()),
         }
     }
@@ -58,7 +57,7 @@ impl BodyRules {
     /// Decompresses the body, and limits its decompressed size.
     pub(super) fn decompress(&self, request: Request) -> Request {
         let progress = BodyProgress::of(&request);
-        decompressed(request).map(|body| Body::new(LimitedBody { body, max_bytes: self.max_bytes, progress }))
+        decompressed(request).map(|body| Body::new(LimitedBody::new(body, self.max_bytes, progress)))
     }
 }
 

@@ -16,7 +16,6 @@ pub(in super::super) struct BodyProgress {
     began: Instant,
     /// Bytes received, before decompression.
     wire_bytes: AtomicU64,
-    decompressed_bytes: AtomicU64,
     /// The time of the last bytes, in ms since `began`.
     last_byte_ms: AtomicU64,
     /// Whether a part of the body is still unread.
@@ -32,7 +31,6 @@ impl BodyProgress {
         Self {
             began: Instant::now(),
             wire_bytes: AtomicU64::new(0),
-            decompressed_bytes: AtomicU64::new(0),
             last_byte_ms: AtomicU64::new(0),
             is_unread: AtomicBool::new(is_unread),
             fault: OnceLock::new(),
@@ -52,11 +50,6 @@ impl BodyProgress {
         let elapsed = u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.last_byte_ms.store(elapsed, Ordering::Relaxed);
         self.wire_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes
-    }
-
-    /// Adds bytes after decompression and returns their total.
-    pub(super) fn add_decompressed_bytes(&self, bytes: u64) -> u64 {
-        self.decompressed_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes
     }
 
     pub(in super::super) fn budget(&self) -> &MemoryBudget {
