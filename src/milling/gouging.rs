@@ -298,3 +298,37 @@ impl Footprint {
         lowest
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The error of central differences is of the order of the step's square, 1e-8, and of the roundings over the step.
+        #[test]
+        fn derivatives_are_those_of_central_differences(
+            core in 0.0..5.0_f64, corner in 0.0..5.0_f64, slope in 0.0..1.57_f64, psi in -3.1..3.1_f64, beta in 0.0..1.57_f64,
+            (along, across, twist) in (-0.3..0.3_f64, -0.3..0.3_f64, -0.3..0.3_f64),
+        ) {
+            let (sin, cos) = slope.sin_cos();
+            let surface = SurfaceCurvature::from_components_per_mm(along, across, twist).unwrap();
+            let footprint = Footprint { core, corner, sin, cos, surface };
+            let (step, epsilon) = (1e-4, 1e-5);
+            let height = |psi: f64, beta: f64| footprint.height(psi.sin_cos(), beta.sin_cos());
+            let slopes = |psi: f64, beta: f64| footprint.derivatives(psi.sin_cos(), beta.sin_cos()).0;
+            let ([by_psi, by_beta], [psi_psi, psi_beta, beta_beta]) = footprint.derivatives(psi.sin_cos(), beta.sin_cos());
+            let central = |more: f64, less: f64| (more - less) / (2.0 * step);
+            let (before, after) = (slopes(psi - step, beta), slopes(psi + step, beta));
+            for (found, expected) in [
+                (by_psi, central(height(psi + step, beta), height(psi - step, beta))),
+                (by_beta, central(height(psi, beta + step), height(psi, beta - step))),
+                (psi_psi, central(after[0], before[0])),
+                (psi_beta, central(after[1], before[1])),
+                (beta_beta, central(slopes(psi, beta + step)[1], slopes(psi, beta - step)[1])),
+            ] {
+                approx::assert_abs_diff_eq!(found, expected, epsilon = epsilon);
+            }
+        }
+    }
+}

@@ -63,7 +63,7 @@ impl Envelope {
             (cleared.map_or(0.0, |cleared| cleared.width()) - share * s, cleared)
         };
         let (mut low, mut high) = ((0.0, None), None::<(f64, f64)>);
-        // Half of the room at an end that stays keeps the proportions from favouring it.
+        // False position: the room at an end of the bracket that is kept again counts half, so that both ends move.
         let mut weights = [1.0; 2];
         let mut share = 1.0;
         for _ in 0..MOST_SHARES {
@@ -84,7 +84,7 @@ impl Envelope {
                         break;
                     }
                     let (room, lack) = (weights[0] * room, weights[1] * lack);
-                    // A little beyond the root, so that the next room is as small and has the other sign.
+                    // A little beyond the estimated root, so that the next share is likely to be the bracket's other end.
                     let at = low + (high - low) * room / (room - lack);
                     let margin = (0.25 * error).min(0.25 * (high - low));
                     if at < f64::midpoint(low, high) { (at + margin).max(low + margin) } else { (at - margin).min(high - margin) }

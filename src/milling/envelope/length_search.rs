@@ -116,7 +116,7 @@ pub(super) fn by_secants(guess: f64, at_guess: f64, mut excess: impl FnMut(f64) 
         if here.1.abs() <= CONFIRMED / 2.0 {
             return Some(at.exp());
         }
-        // Where the guess's own height is not quite the tolerance the first secant is useless, and a paraboloid's slope serves.
+        // If the logarithm at the guess was not exact, the first secant can be wrong by far; the slope of a paraboloid replaces it.
         let slope = (here.1 - last.1) / (at - last.0);
         step = -here.1 / if (LEAST_SECANT..MOST_SECANT).contains(&slope) { slope } else { 2.0 };
         last = here;

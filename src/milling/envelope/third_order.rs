@@ -153,14 +153,17 @@ impl Envelope {
         let feed_height = || self.feed_height(pattern, |s| self.turned_height(s, pattern));
         let used_up = |feed_height: f64| Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height) });
         // With runout or on a concave surface, a search for a step-over that does not exist takes longer than a height. Beside
-        // concave walls heights can fall where step-overs grow, so that the smallest one shows nothing.
+        // concave walls heights can fall where step-overs grow, so that the height of the smallest one proves nothing.
         let is_slow = !pattern.is_even() || self.body.is_concave();
-        let shows = !self.body.is_concave() || self.contact().slope().cos() > BESIDE_WALL;
-        if is_slow && shows && largest >= Length::SMALLEST && self.guess(0.0, pattern) > p {
-            let feed_height = feed_height()?;
-            if feed_height > p * USED_UP {
-                return used_up(feed_height);
-            }
+        let proves = !self.body.is_concave() || self.contact().slope().cos() > BESIDE_WALL;
+        if is_slow
+            && proves
+            && largest >= Length::SMALLEST
+            && self.guess(0.0, pattern) > p
+            && let Ok(feed_height) = feed_height()
+            && feed_height > p * USED_UP
+        {
+            return used_up(feed_height);
         }
         if !self.has_third_order {
             return self.second_order_max_step_over(tolerance, feed_per_tooth);
