@@ -75,6 +75,11 @@ impl Value for Feeds<'_> {
         };
         Left::At { value: -length, by_side: -by_side }
     }
+
+    /// Marks that may be further apart may be closer together.
+    fn is_kept(&self, _: &Clearing, _: f64, _: f64) -> bool {
+        true
+    }
 }
 
 impl Feeds<'_> {

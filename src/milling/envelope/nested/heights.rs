@@ -12,6 +12,9 @@ const LAST_STEP: f64 = 1e-10;
 /// The factor by which a height shrinks at most in a step.
 const SHRINKING: f64 = 1.0 / 64.0;
 
+/// The share of a height by which it may be too low for a chord to count as inside.
+const KEPT: f64 = 1e-8;
+
 /// The heights at one contact.
 #[derive(Debug)]
 pub(in crate::milling::envelope) struct Heights<'a> {
@@ -74,5 +77,14 @@ impl Value for Heights<'_> {
             p = (p + rise).max(SHRINKING * p).max(least);
         }
         Left::Beyond { side, step: f64::NAN }
+    }
+
+    /// Beside a wall the section shrinks again over the axis.
+    fn is_kept(&self, marks: &Clearing, t: f64, value: f64) -> bool {
+        let Self { body, feed, .. } = *self;
+        let reach = t.abs() + marks.spacing(feed) + value;
+        let row = Row { t, p: value, feed };
+        let chord = marks.search(body, &mut [feed / 2.0; 2], row, Accuracy::full(value), reach).chord;
+        chord.value <= KEPT * value * chord.by_height.abs() + 16.0 * f64::EPSILON * (body.reach() + reach)
     }
 }

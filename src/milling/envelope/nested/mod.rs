@@ -91,6 +91,9 @@ pub(super) trait Value {
 
     /// What marks leave at the offset t.
     fn left(&self, marks: &Clearing, t: f64, start: &mut Self::Start) -> Left;
+
+    /// Whether marks that leave at most `value` at the offset t leave no more if another pass leaves that value.
+    fn is_kept(&self, marks: &Clearing, t: f64, value: f64) -> bool;
 }
 
 /// The length whose value is the least for passes s apart, which marks of one kind in `alone` clear, or marks of one kind
@@ -134,6 +137,12 @@ fn least_with(values: &impl Value, s: f64, (best, marks): (Least, &Clearing), ot
 /// The tangents of both passes at one place, and those at both ends of the bracket, meet at a lower bound. The search
 /// goes on where they meet, and ends when the bound is reached.
 fn least(values: &impl Value, s: f64, marks: [&Clearing; 2]) -> Option<Least> {
+    let is_kept = |least: &Least| values.is_kept(marks[0], least.t, least.value) && values.is_kept(marks[1], least.t - s, least.value);
+    searched_least(values, s, marks).filter(|least| least.value.is_infinite() || is_kept(least))
+}
+
+/// The same, although one of the passes may leave more where the other leaves this value.
+fn searched_least(values: &impl Value, s: f64, marks: [&Clearing; 2]) -> Option<Least> {
     let (mut near, mut far) = (values.start(), values.start());
     let mut reach = s + values.reach();
     let mut t = s / 2.0;
@@ -142,6 +151,9 @@ fn least(values: &impl Value, s: f64, marks: [&Clearing; 2]) -> Option<Least> {
     let mut best = None::<Least>;
     let mut bound = f64::NEG_INFINITY;
     let mut gaps = [f64::INFINITY; 3];
+    // The last places where the far and where the near pass leaves more, and by how much the near pass's slope is greater
+    // there.
+    let mut lasts = [None::<(f64, f64)>; 2];
     for _ in 0..MOST_STEPS {
         let sides = [values.left(marks[0], t, &mut near), values.left(marks[1], t - s, &mut far)];
         let mut next = f64::NAN;
@@ -160,15 +172,18 @@ fn least(values: &impl Value, s: f64, marks: [&Clearing; 2]) -> Option<Least> {
                     return Some(Least { value, t });
                 }
                 if near_slope > 0.0 && far_slope < 0.0 {
-                    let near = Tangent { t, value: near, slope: near_slope };
-                    let meeting = Tangent { t, value: far, slope: far_slope }.meets(&near);
+                    let (near, far) = (Tangent { t, value: near, slope: near_slope }, Tangent { t, value: far, slope: far_slope });
+                    let meeting = far.meets(&near);
                     bound = bound.max(meeting.value);
-                    // Beyond a line where the round begins a value grows with the square of the step, which Newton's
-                    // step only halves.
-                    let gap = value - meeting.value;
-                    let halves = gap > 0.2 * gaps[2] && gap < 0.3 * gaps[2];
-                    next = if halves { t + 2.0 * (meeting.t - t) } else { meeting.t };
-                    gaps = [gaps[1], gaps[2], gap];
+                    // Where the round begins or a flat ends, a value grows with the square of the distance from there, which
+                    // tangents only halve. The change of the slope since the last place on the same side shows it. Where the
+                    // parabola has no root, its lowest point is nearest to one.
+                    let (excess, steepness) = (near.value - far.value, near.slope - far.slope);
+                    let last = lasts[usize::from(excess > 0.0)].replace((t, steepness));
+                    let bend = last.map_or(0.0, |(last_t, last_steepness)| (steepness - last_steepness) / (t - last_t));
+                    let root = (steepness * steepness - 2.0 * bend * excess).max(0.0).sqrt();
+                    next = t - 2.0 * excess / (steepness + root);
+                    gaps = [gaps[1], gaps[2], value - meeting.value];
                 }
             }
             [Left::Unknown, _] | [_, Left::Unknown] => return None,

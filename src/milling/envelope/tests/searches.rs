@@ -109,6 +109,18 @@ proptest! {
         approx::assert_relative_eq!(nested, section, max_relative = 1e-8);
     }
 
+    /// Beside a wall, the section over the axis shrinks again with the height, where passes and marks hardly overlap.
+    #[test]
+    fn the_nested_search_answers_only_heights_that_clear_both_edges(
+        cutter in cutters(), from_wall in -3.0..1.5_f64, alpha in quarter_turn(), s in -3.0..-0.01_f64, gap in -4.0..-1.0_f64,
+    ) {
+        let envelope = on_plane(cutter, 90.0 - 10_f64.powf(from_wall), alpha);
+        let s = 10_f64.powf(s) * envelope.largest_step_over(0.0);
+        let pattern = Pattern::even((1.0 - 10_f64.powf(gap)) * envelope.largest_spacing(s));
+        let Some(nested) = envelope.nested_level(s, &pattern, envelope.guess(s, pattern)) else { return Ok(()) };
+        approx::assert_relative_eq!(nested, searched(&envelope, s, pattern.spacing), max_relative = 1e-7);
+    }
+
     /// The same for largest feeds.
     #[test]
     fn the_nested_and_the_section_search_of_feeds_agree(
