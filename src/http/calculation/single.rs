@@ -11,11 +11,23 @@ use crate::http::wire::{
 };
 use crate::http::worker_pool::Work;
 use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass};
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
+
+/// The answer for one contact.
+#[derive(Serialize)]
+struct Answer {
+    model: &'static str,
+    #[serde(flatten)]
+    figures: InOrder<Option<Value>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    check: Option<Check>,
+    warnings: Vec<Warning>,
+}
 
 /// The schema of an answer for one contact.
 pub(super) fn describe_answer<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
@@ -68,7 +80,7 @@ fn may_state_curvature(request: &[u8], escape: u8) -> bool {
 }
 
 /// Reads a request and computes its answer. Its parts without faults are evaluated to find further faults.
-fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<InOrder<Value>, Faulted> {
+fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Answer, Faulted> {
     let path = object.path();
     let shared = SharedParameters::read(object, faults);
     let contact = object.required(&CONTACT, faults);
@@ -86,14 +98,10 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let figures = calculation.compute(&inputs).map_err(|cause| faults.push(fault(cause, calculation.step_over_member(&parameters))))?;
     let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
     let check = check(&pass, &figures, &mut warnings);
-    let mut answer = vec![("model", MODEL.kind.word(&shared.model).into())];
-    answer.extend(C::figures().filter_map(|figure| {
-        let value = figure.value(&figures);
-        (value.is_some() || figure.is_required()).then(|| (figure.name, value.into()))
-    }));
-    answer.extend(check.map(|check| ("check", json!(check))));
-    answer.push(("warnings", json!(warnings)));
-    Ok(InOrder(answer))
+    let values = C::figures().map(|figure| (figure, figure.value(&figures)));
+    let stated = values.filter(|(figure, value)| value.is_some() || figure.is_required());
+    let figures = InOrder(stated.map(|(figure, value)| (figure.name, value)).collect());
+    Ok(Answer { model: MODEL.kind.word(&shared.model), figures, check, warnings })
 }
 
 /// The pass that a request describes at a contact.
