@@ -23,7 +23,7 @@ pub(crate) struct Problem(Box<ProblemBody>);
 
 impl Problem {
     pub(crate) fn new(kind: ServiceProblem, detail: impl Into<String>) -> Self {
-        Self::under(kind.status().unwrap_or(StatusCode::INTERNAL_SERVER_ERROR), kind.into(), detail)
+        Self::under(kind.entry().status.unwrap_or(StatusCode::INTERNAL_SERVER_ERROR), kind.into(), detail)
     }
 
     fn under(status: StatusCode, kind: ProblemType, detail: impl Into<String>) -> Self {
@@ -59,10 +59,8 @@ impl Problem {
                 (ServiceProblem::InvalidRequest.into(), format!("{count} faults, {which} in errors"), Vec::new())
             }
         };
-        let of_file = errors.iter().find_map(|fault| match fault.code {
-            FaultCode::FileFault(fault) => Some(fault.status()),
-            FaultCode::RequestFault(_) | FaultCode::NoAnswerCode(_) => None,
-        });
+        // Of the faults, only those of files have a status of their own.
+        let of_file = errors.iter().find_map(|fault| fault.code.entry().status);
         let mut problem = Self::under(of_file.unwrap_or(StatusCode::UNPROCESSABLE_ENTITY), kind, detail);
         problem.0.errors = errors;
         problem.0.figures = figures.into_iter().map(|(figure, value)| (figure.name.to_owned(), value.into())).collect();
@@ -253,7 +251,8 @@ pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
         mapping.extend(types.iter().map(|of_type| (*of_type, format!("#/components/schemas/{name}"))));
         schemas.push((name, schema.into()));
     };
-    let of_files = FileFault::ALL.iter().filter(|fault| fault.status() == StatusCode::UNPROCESSABLE_ENTITY).map(|fault| fault.name());
+    let of_files =
+        FileFault::ALL.iter().filter(|fault| fault.entry().status == Some(StatusCode::UNPROCESSABLE_ENTITY)).map(|fault| fault.name());
     let mut plain: Vec<_> = std::iter::once(ServiceProblem::InvalidRequest.name()).chain(of_files).collect();
     for code in NoAnswerCode::ALL {
         match code.figures() {

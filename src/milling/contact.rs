@@ -82,11 +82,18 @@ impl Contact {
     /// # Errors
     /// [`ContactError::Slope`] unless 0 <= S <= 90 deg, [`ContactError::FeedAngle`] for an alpha that is not finite.
     pub fn from_degrees(slope: f64, alpha: f64) -> Result<Self, ContactError> {
-        OutOfRange::check(slope, 0.0, 90.0).map_err(ContactError::Slope)?;
-        let slope = Angle::from_degrees(slope).map_err(ContactError::Slope)?;
+        let slope = Self::checked_slope_deg(slope).and_then(Angle::from_degrees).map_err(ContactError::Slope)?;
         let alpha = Angle::from_degrees(alpha).map_err(ContactError::FeedAngle)?;
         let theta = Direction::of_vector(alpha.cos(), alpha.sin() * slope.cos());
         Ok(Self { slope, alpha, theta: theta.unwrap_or(alpha.into()) })
+    }
+
+    /// The angle in degrees if it is a slope: from 0 (floor) to 90 (wall).
+    ///
+    /// # Errors
+    /// These bounds.
+    pub const fn checked_slope_deg(degrees: f64) -> Result<f64, OutOfRange> {
+        OutOfRange::check(degrees, 0.0, 90.0)
     }
 
     /// A contact on a slope from 0 to pi/2, fed along its steepest direction.

@@ -3,30 +3,17 @@
 use super::{codes, same_names};
 use crate::surface::read::FaultKind;
 use crate::tooling::LibraryFaultKind;
-use axum::http::StatusCode;
 
 codes! {
     /// A fault of an uploaded file.
     FileFault {
-        UnknownFormat = "unknown-format": "The file's format is not supported", "Send points in text or PCD, STL, OBJ, PLY or 3MF, and tool libraries of Fusion or FreeCAD or in CSV; give the file's name or media type.";
-        Malformed = "malformed-file": "The file is malformed", "Correct the line or byte that the detail names, or export the file again.";
-        Truncated = "truncated-file": "The file is cut off", "Send the whole file.";
-        TooLarge = "file-too-large": "The file exceeds a limit of its reader", "Reduce what the detail names.";
-        Ambiguous = "ambiguous-file": "The file can be read in two ways", "Write the file so that only one of the readings named in the detail fits.";
-        OutOfRange = "out-of-range": "A number in the file is out of range", "Check the line or byte that the detail names, and the unit.";
-        Empty = "empty-file": "The file contains no surface or tool", "Export the surface or the library again; check that it is selected.";
-    }
-}
-
-impl FileFault {
-    /// The HTTP status of the problem with this fault.
-    pub(crate) fn status(self) -> StatusCode {
-        match self {
-            Self::UnknownFormat => StatusCode::UNSUPPORTED_MEDIA_TYPE,
-            Self::Malformed | Self::Truncated => StatusCode::BAD_REQUEST,
-            Self::TooLarge => StatusCode::PAYLOAD_TOO_LARGE,
-            Self::Ambiguous | Self::OutOfRange | Self::Empty => StatusCode::UNPROCESSABLE_ENTITY,
-        }
+        UnknownFormat = "unknown-format" UNSUPPORTED_MEDIA_TYPE: "The file's format is not supported", "Send points in text or PCD, STL, OBJ, PLY or 3MF, and tool libraries of Fusion or FreeCAD or in CSV; give the file's name or media type.";
+        Malformed = "malformed-file" BAD_REQUEST: "The file is malformed", "Correct the line or byte that the detail names, or export the file again.";
+        Truncated = "truncated-file" BAD_REQUEST: "The file is cut off", "Send the whole file.";
+        TooLarge = "file-too-large" PAYLOAD_TOO_LARGE: "The file exceeds a limit of its reader", "Reduce what the detail names.";
+        Ambiguous = "ambiguous-file" UNPROCESSABLE_ENTITY: "The file can be read in two ways", "Write the file so that only one of the readings named in the detail fits.";
+        OutOfRange = "out-of-range" UNPROCESSABLE_ENTITY: "A number in the file is out of range", "Check the line or byte that the detail names, and the unit.";
+        Empty = "empty-file" UNPROCESSABLE_ENTITY: "The file contains no surface or tool", "Export the surface or the library again; check that it is selected.";
     }
 }
 

@@ -20,7 +20,9 @@ pub(crate) use not_ranked::NotRankedCode;
 pub(crate) use problem::{ProblemType, ServiceProblem};
 pub(crate) use warning::WarningCode;
 
-/// A code's name, meaning and remedy.
+use axum::http::StatusCode;
+
+/// A code's name, meaning, remedy and status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Entry {
     /// The name on the wire, in kebab-case. It never changes.
@@ -29,6 +31,8 @@ pub(crate) struct Entry {
     pub(crate) meaning: &'static str,
     /// What a caller can do.
     pub(crate) remedy: &'static str,
+    /// The HTTP status of a problem of this type; `None` if something else determines it.
+    pub(crate) status: Option<StatusCode>,
 }
 
 /// A family of codes.
@@ -64,9 +68,10 @@ macro_rules! same_names {
 }
 pub(crate) use same_names;
 
-/// Declares a family: for each code the variant, the name on the wire, the meaning and the remedy.
+/// Declares a family: for each code the variant, the name on the wire, the status of a problem of this type if it has one
+/// of its own, the meaning and the remedy.
 macro_rules! codes {
-    ($(#[doc = $about:literal])+ $family:ident { $( $variant:ident = $name:literal: $meaning:literal, $remedy:literal; )+ }) => {
+    ($(#[doc = $about:literal])+ $family:ident { $( $variant:ident = $name:literal $($status:ident)?: $meaning:literal, $remedy:literal; )+ }) => {
         $(#[doc = $about])+
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(crate) enum $family {
@@ -78,13 +83,17 @@ macro_rules! codes {
 
             fn entry(self) -> $crate::http::codes::Entry {
                 match self {
-                    $( Self::$variant => $crate::http::codes::Entry { name: $name, meaning: $meaning, remedy: $remedy }, )+
+                    $( Self::$variant => $crate::http::codes::Entry {
+                        name: $name, meaning: $meaning, remedy: $remedy, status: $crate::http::codes::codes!(@status $($status)?),
+                    }, )+
                 }
             }
         }
 
         $crate::http::codes::on_the_wire! { $family, concat!($( $about ),+) }
     };
+    (@status) => { None };
+    (@status $status:ident) => { Some(axum::http::StatusCode::$status) };
 }
 use codes;
 

@@ -4,7 +4,6 @@
 use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
 use super::memory::{Resources, bytes_of_machined_surface};
-
 use super::parameters::{ParameterMembers, Parameters};
 use super::plan::Task;
 use super::recommendation::answer_to;

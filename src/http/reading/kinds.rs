@@ -5,6 +5,7 @@ use super::object::describe;
 use super::{Components, Faulted, Faults, Kind, PlainKind};
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText, not_finite};
+use crate::milling::Contact;
 use crate::quantity::{Angle, Length, OutOfRange};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
@@ -42,7 +43,7 @@ impl Quantity<Length> {
 impl Quantity<Angle> {
     /// A slope in degrees, 0 (floor) to 90 (wall).
     pub(crate) const fn slope(example: f64) -> Self {
-        Self::new(|degrees| Angle::from_degrees(OutOfRange::check(degrees, 0.0, 90.0)?), example)
+        Self::new(|degrees| Contact::checked_slope_deg(degrees).and_then(Angle::from_degrees), example)
     }
 }
 

@@ -7,13 +7,12 @@ use crate::http::reading::{
 use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{Contact, ContactError};
 use crate::quantity::OutOfRange;
-use std::sync::LazyLock;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// A contact by angles.
     pub(super) plain struct AngleMembers / AngleSlots {
-        slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(slope, 40.0),
+        slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(Contact::checked_slope_deg, 40.0),
             "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall"),
         feed_angle: required FEED_ANGLE: Quantity<f64> = ("feed_angle_deg", Quantity::new(|degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), 30.0),
             "angle alpha from the uphill line of steepest slope to the feed, counter-clockwise seen from above (against the tool axis); any finite value, the period is 180; the sign matters only if the surface is twisted (twist_per_mm)"),
@@ -29,15 +28,6 @@ members! {
         tool_axis: optional TOOL_AXIS: Vector = ("tool_axis", Vector { of: Number, example: [0.1, 0.0, 0.99] },
             "the tool axis from the tip to the spindle, with a length above 0; absent = +Z; the slope and the view from above refer to it"),
     }
-}
-
-/// A slope within the bounds of the domain type.
-fn slope(degrees: f64) -> Result<f64, OutOfRange> {
-    static BOUNDS: LazyLock<OutOfRange> = LazyLock::new(|| match Contact::from_degrees(f64::NAN, 0.0) {
-        Err(ContactError::Slope(bounds)) => bounds,
-        other => unreachable!("NaN is not a slope, but gives {other:?}"),
-    });
-    OutOfRange::check(degrees, BOUNDS.minimum, BOUNDS.maximum)
 }
 
 /// The member `contact` of a calculation at one contact.
