@@ -5,6 +5,10 @@
 /// takes about ten steps, and never many more than bisection alone [Chandrupatla 1997,
 /// doi:10.1016/s0965-9978(96)00051-8].
 ///
+/// The searches of the envelope model do not use it where they have more than a continuous function in a bracket: where
+/// a derivative gives Newton's steps, where there is no bracket at first, or where the function has steps, at which each
+/// end of the bracket must be kept.
+///
 /// # Errors
 /// Those of `f`.
 pub(crate) fn bracketed_root<E>(low: f64, high: f64, mut f: impl FnMut(f64) -> Result<f64, E>) -> Result<f64, E> {

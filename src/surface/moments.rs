@@ -1,5 +1,6 @@
 //! Weight, first and second moments of points and triangles, from which the principal axes of a surface follow.
 
+use crate::numerics::vector::difference;
 use nalgebra::{Matrix3, Vector3};
 
 /// The moments of a set of weighted points, or of a surface, of order 0 to 2.
@@ -112,11 +113,6 @@ impl Moments {
     fn mean_from_shift(&self) -> Option<Vector3<f64>> {
         (self.weight > 0.0).then(|| Vector3::from(self.first) / self.weight)
     }
-}
-
-#[inline]
-fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// The six different entries of vv'.

@@ -1,6 +1,7 @@
 //! The sums over a set of points or facets of a surface: moments, bounds and slopes.
 
 use super::{Bounds, Moments};
+use crate::numerics::vector::length;
 
 /// The sums over some points or facets of a surface.
 #[derive(Debug, Clone, Copy)]
@@ -44,5 +45,5 @@ impl Piece {
 /// The angle between a normal and the vertical, whether it points up or down: 0 to pi/2, exact near both ends.
 #[inline]
 fn slope(normal: [f64; 3]) -> f64 {
-    (normal[0] * normal[0] + normal[1] * normal[1]).sqrt().atan2(normal[2].abs())
+    length([normal[0], normal[1]]).atan2(normal[2].abs())
 }

@@ -7,8 +7,8 @@ use super::chord::{Accuracy, Chord, Marks, Shift};
 /// The marks that clear an offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Clearing {
-    /// Marks of equal depth. They are `feeds` distances of neighbouring marks less `less` apart, and `drop` less deep than those of
-    /// the deepest tooth.
+    /// Marks of equal depth. Their spacing is `feeds` times that of neighbouring marks, less `less`; each is `drop` shallower than
+    /// a mark of the deepest tooth.
     Even {
         /// 1 for neighbouring teeth, z for the deepest tooth alone.
         feeds: f64,
@@ -17,7 +17,7 @@ pub(super) enum Clearing {
         /// delta for shallow teeth, otherwise 0.
         drop: f64,
     },
-    /// A deep mark and a shallow one, `drop` less deep, before or behind it: the order that clears less.
+    /// A deep mark and one that is `drop` shallower, before or behind it. The order that clears less counts.
     Mixed {
         /// delta.
         drop: f64,
@@ -73,7 +73,8 @@ impl Clearing {
         self.limiting(first, second)
     }
 
-    /// The same of the chords that `find` returns for the first pair of marks and for the second, if there is one.
+    /// As [`Clearing::search`], with the chords that `find` returns for the first pair of marks and for the second, if there
+    /// is one.
     pub(super) fn held(&self, feed: f64, mut find: impl FnMut(usize, &Marks) -> Option<Chord>) -> Option<Held> {
         let (one, other) = self.pairs(feed);
         let first = find(0, &one)?;

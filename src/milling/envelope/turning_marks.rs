@@ -9,6 +9,7 @@
 
 use super::body::Body;
 use super::smooth_bound::SmoothBound;
+use crate::numerics::vector::{cross, dot};
 
 /// The largest turn of a normal, as a share of the sine and cosine of the slope. Turns up to half of it are exact;
 /// larger ones are bounded smoothly, so that no mark reaches the floor or the wall, where the cutter's place jumps.
@@ -19,18 +20,6 @@ type Plane = [f64; 2];
 
 /// A vector along the feed, to its side, and along the normal of the stated contact.
 type Space = [f64; 3];
-
-fn dot(a: Plane, b: Plane) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn dot3(a: Space, b: Space) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Space, b: Space) -> Space {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
 
 /// The cutter's marks on the quadric.
 #[derive(Debug, Clone, Copy)]
@@ -172,7 +161,7 @@ impl TurningMarks {
 
         // The level line and the descent, which is horizontal and leads from the contact towards the axis.
         let level_raw = cross(axis, upright);
-        let (upright_axis, sin_length) = (dot3(axis, upright), dot3(level_raw, level_raw).sqrt());
+        let (upright_axis, sin_length) = (dot(axis, upright), dot(level_raw, level_raw).sqrt());
         let per_both = (length * sin_length).recip();
         let (per_length, per_sin_length) = (per_both * sin_length, per_both * length);
         let level_line = level_raw.map(|component| component * per_sin_length);
@@ -186,7 +175,7 @@ impl TurningMarks {
             ridge.height * ridge.normal[2] - dot(along, turn) - sag,
         ];
         let up = (ridge.upright_height * (1.0 + dot(turn, ridge.turn)) - sag) * per_length;
-        let (d, level, e) = (dot3(descent, place), dot3(level_line, place), dot3(axis, place));
+        let (d, level, e) = (dot(descent, place), dot(level_line, place), dot(axis, place));
         let b = a + r * sin - d;
         let radius = (b * b + level * level).sqrt();
         let (excess, per_radius) = if b > 0.0 {
@@ -212,7 +201,7 @@ impl TurningMarks {
         // The normal of the body.
         let (to_axis, to_level) = (-out * b * per_radius, out * level * per_radius);
         let normal: Space = std::array::from_fn(|i| to_axis * descent[i] + to_level * level_line[i] - down * axis[i]);
-        let facing = dot3(normal, upright) * per_length * per_length;
+        let facing = dot(normal, upright) * per_length * per_length;
         // How the centre of the torus moves with the turn of the contact's normal, times the normal.
         let moves = |by: Plane| {
             let by_normal = (dot([normal[0], normal[1]], by) - facing * dot(turn, by)) * per_length;
@@ -224,8 +213,8 @@ impl TurningMarks {
             value,
             by_behind: normal[0] - normal[2] * (turn[0] + fall[0]) + by_feed,
             by_offset: normal[1] - normal[2] * (turn[1] + fall[1]) + by_side,
-            by_place: ridge.height * dot3(normal, ridge.normal_by_side) - by_side,
-            by_height: dot3(normal, ridge.normal),
+            by_place: ridge.height * dot(normal, ridge.normal_by_side) - by_side,
+            by_height: dot(normal, ridge.normal),
             is_round,
         }
     }

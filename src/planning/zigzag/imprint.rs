@@ -7,6 +7,7 @@
 
 use crate::milling::Cutter;
 use crate::numerics::bracketed_root;
+use crate::numerics::vector::length;
 use crate::surface::FinishFacet;
 use std::convert::Infallible;
 use std::f64::consts::FRAC_PI_2;
@@ -138,12 +139,11 @@ impl Imprints {
     /// The tip of the cutter that touches the paraboloid at a place.
     fn tip(&self, along: f64, across: f64) -> [f64; 3] {
         let rise = self.rise(along, across);
-        // These lengths are far from the limits of numbers, so that squares do not overflow.
-        let steepest = (rise[0] * rise[0] + rise[1] * rise[1]).sqrt();
-        let length = (steepest * steepest + 1.0).sqrt();
+        let steepest = length(rise);
+        let secant = length([steepest, 1.0]);
         // r n, and R - r further along the horizontal part of n.
-        let out = self.corner / length + if steepest > 0.0 { (self.outer - self.corner) / steepest } else { 0.0 };
-        [along - out * rise[0], across - out * rise[1], self.surface(along, across) + self.corner * (length.recip() - 1.0)]
+        let out = self.corner / secant + if steepest > 0.0 { (self.outer - self.corner) / steepest } else { 0.0 };
+        [along - out * rise[0], across - out * rise[1], self.surface(along, across) + self.corner * (secant.recip() - 1.0)]
     }
 
     /// The height down to which a tip cuts at a place; infinite beside the cutter.

@@ -8,6 +8,7 @@
 use super::cuts::Cut;
 use super::spaced::Spaced;
 use crate::milling::Cutter;
+use crate::numerics::vector::{difference, dot, length};
 use crate::planning::reach::tip_of;
 use crate::surface::FinishFacet;
 
@@ -343,17 +344,8 @@ fn distance(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
 
 /// The vector from the nearest point of a segment to a point.
 fn offset(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
-    let line = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
-    let out = [point[0] - from[0], point[1] - from[1], point[2] - from[2]];
+    let (line, out) = (difference(to, from), difference(point, from));
     let (squared, along) = (dot(line, line), dot(line, out));
     let share = if squared > 0.0 { (along / squared).clamp(0.0, 1.0) } else { 0.0 };
     [0, 1, 2].map(|axis| out[axis] - share * line[axis])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn length(vector: [f64; 3]) -> f64 {
-    dot(vector, vector).sqrt()
 }

@@ -5,7 +5,7 @@ use super::merge::HeightLattice;
 use super::part::{MeshPart, PartFacets};
 use super::thinning::PointCloud;
 use super::weld::Welder;
-use super::{Mesh, MeshError, cross};
+use super::{Mesh, MeshError, twice_area};
 use crate::cancellation::CancelFlag;
 use crate::surface::{Bounds, Facing, Sink, Unit, triangulation};
 
@@ -15,7 +15,7 @@ use crate::surface::{Bounds, Facing, Sink, Unit, triangulation};
 /// single points are ignored; otherwise the points are triangulated in the XY plane.
 ///
 /// # Memory
-/// At most [`MeshBuilder::facet_limit`] facets are stored, N = 2,000,000 by default. A facet takes 12 bytes, a point 24
+/// At most N facets are stored, by default 2,000,000 ([`MeshBuilder::with_facet_limit`]). A facet takes 12 bytes, a point 24
 /// bytes and 5 to 10 bytes of the welding table. While these grow, old and new storage exist together. A closed mesh
 /// has N/2 points: with the default about 70 MB, and at most 140 MB while it grows. The worst case, facets that share
 /// no corner, has 3 N points: 230 MB, and 420 MB while it grows.
@@ -93,12 +93,6 @@ impl MeshBuilder {
     #[must_use]
     pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
         Self { cancel: cancel.clone(), cloud: self.cloud.with_cancel_flag(cancel), ..self }
-    }
-
-    /// N, the largest number of facets held.
-    #[must_use]
-    pub fn facet_limit(&self) -> usize {
-        self.limit
     }
 
     /// The memory that the facets or points hold now, in bytes.
@@ -195,7 +189,7 @@ impl MeshBuilder {
         }
         let from_above = |[a, b, c]: &[u32; 3]| {
             let [a, b, c] = [a, b, c].map(|&index| points[index as usize]);
-            cross(a, b, c)[2]
+            twice_area(a, b, c)[2]
         };
         // The facets of a lattice and of a triangulation face up by construction.
         let given_sides = merged.is_none() && !from_points;
@@ -219,7 +213,7 @@ impl MeshBuilder {
             // No facet covers a node: all are smaller than the spacing, or walls.
             return Err(MeshError::NothingFromAbove);
         }
-        Ok(Mesh::assembled(points, triangles, self.left_out.degenerate, self.facets, merged, from_points))
+        Ok(Mesh::assembled(points, triangles, self.left_out.degenerate, merged, from_points))
     }
 
     /// An empty part for facets or points that follow.

@@ -32,8 +32,9 @@
 
 use super::fans::{Fans, LARGEST_FAN};
 use super::flat_regions::{SAME_PLANE, areas_of_flat_regions};
-use super::{Mesh, Visibility, cross, difference, dot};
+use super::{Mesh, Visibility};
 use crate::cancellation::collect_until;
+use crate::numerics::vector::{cross, difference, dot, length};
 
 /// The angle between normals, in deg, above which facets do not belong to one smooth surface.
 pub const CREASE_ANGLE_DEG: f64 = 35.0;
@@ -184,7 +185,7 @@ impl Mesh {
         }
         let normal = unit(sum)?;
         // The integral of a unit vector that turns about n from u to v is -n x (v - u).
-        Some(CornerNormal { normal, open: cross([0.0; 3], open, normal) })
+        Some(CornerNormal { normal, open: cross(open, normal) })
     }
 
     fn equations(&self, facet: usize, corners: [CornerNormal; 3]) -> Equations {
@@ -192,7 +193,7 @@ impl Mesh {
         let mut equations = Equations::default();
         for (i, j) in [(0, 1), (1, 2), (2, 0)] {
             let edge = difference(points[j], points[i]);
-            let length = dot(edge, edge).sqrt();
+            let length = length(edge);
             let Some(e) = unit(edge) else { continue };
             let turn = difference(corners[j].normal, corners[i].normal).map(|part| part / length);
             let open = dot(corners[i].open, e).abs().max(dot(corners[j].open, e).abs());
@@ -264,15 +265,15 @@ pub(super) fn tangents(normal: [f64; 3]) -> ([f64; 3], [f64; 3]) {
     } else {
         [0.0, 0.0, 1.0]
     };
-    let across = cross([0.0; 3], normal, axis);
-    let length = dot(across, across).sqrt();
+    let across = cross(normal, axis);
+    let length = length(across);
     let t = across.map(|part| part / length);
-    (t, cross([0.0; 3], normal, t))
+    (t, cross(normal, t))
 }
 
 /// The unit vector in this direction; `None` for a vector too short to have one.
 fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
-    let length = dot(vector, vector).sqrt();
+    let length = length(vector);
     let per_length = length.recip();
     (length > 1e-150).then(|| vector.map(|part| part * per_length))
 }

@@ -1,5 +1,6 @@
 //! The facet that planning receives: corners, unit normal, area, and the curvature of the surface.
 
+use crate::numerics::vector::dot;
 use crate::quantity::Angle;
 
 /// A facet that is to be finished: visible from above and selected.
@@ -32,6 +33,6 @@ impl FinishFacet {
     pub fn curvature_between(&self, t: [f64; 3], u: [f64; 3]) -> f64 {
         let [xx, xy, xz, yy, yz, zz] = self.curvature;
         let ku = [xx * u[0] + xy * u[1] + xz * u[2], xy * u[0] + yy * u[1] + yz * u[2], xz * u[0] + yz * u[1] + zz * u[2]];
-        t[0] * ku[0] + t[1] * ku[1] + t[2] * ku[2]
+        dot(t, ku)
     }
 }

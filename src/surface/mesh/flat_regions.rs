@@ -1,7 +1,7 @@
 //! Flat regions of a mesh: connected facets in one plane.
 
-use super::dot;
 use super::fans::{Fans, LARGEST_FAN};
+use crate::numerics::vector::dot;
 
 /// The largest angle in rad between normals of one plane. Files in single precision round coordinates of 100 mm by 4e-6
 /// mm, which turns the normals of facets of 0.1 mm by 4e-5 rad.

@@ -1,6 +1,6 @@
 //! Facets and points that a mesh leaves out: facets without area, and coordinates out of bounds.
 
-use super::cross;
+use super::twice_area;
 use crate::surface::LARGEST_COORDINATE;
 
 /// The facets and points that a mesh, or a part of one, has left out so far.
@@ -28,7 +28,7 @@ impl LeftOut {
             return false;
         }
         let [a, b, c] = corners;
-        let [x, y, z] = cross(a, b, c);
+        let [x, y, z] = twice_area(a, b, c);
         let has_area = x != 0.0 || y != 0.0 || z != 0.0;
         self.degenerate += u64::from(!has_area);
         has_area

@@ -33,7 +33,7 @@ pub use view::{NO_FACET, ViewFromAbove};
 pub use visibility::{AreaShares, FacetClass, Visibility};
 
 use super::{Bounds, Sink};
-use nalgebra::Vector3;
+use crate::numerics::vector::{cross, difference, dot, length};
 use std::fmt;
 
 /// A facet is a wall if |n_z| of its unit normal is at most this, as in the sums over a surface: within 0.006 deg of
@@ -52,7 +52,6 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
     bounds: Bounds,
     degenerate: u64,
-    received: u64,
     merged_cell: Option<f64>,
     from_points: bool,
 }
@@ -137,17 +136,10 @@ impl MeshBuilder {
 }
 
 impl Mesh {
-    fn assembled(
-        points: Vec<[f64; 3]>,
-        triangles: Vec<[u32; 3]>,
-        degenerate: u64,
-        received: u64,
-        merged_cell: Option<f64>,
-        from_points: bool,
-    ) -> Self {
+    fn assembled(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>, degenerate: u64, merged_cell: Option<f64>, from_points: bool) -> Self {
         let mut bounds = Bounds::NONE;
         triangles.iter().flatten().for_each(|&index| bounds.include(points[index as usize]));
-        Self { points, triangles, bounds, degenerate, received, merged_cell, from_points }
+        Self { points, triangles, bounds, degenerate, merged_cell, from_points }
     }
 
     /// The number of triangles and points.
@@ -180,13 +172,6 @@ impl Mesh {
         self.degenerate
     }
 
-    /// The number of facets with an area that were added: more than the triangles if facets were merged, 0 if points
-    /// were triangulated.
-    #[must_use]
-    pub fn received_facets(&self) -> u64 {
-        self.received
-    }
-
     /// The spacing in mm of the lattice on which the surface was merged because it had too many facets or points;
     /// `None` if it was not merged.
     #[must_use]
@@ -216,7 +201,7 @@ impl Mesh {
     #[must_use]
     pub fn normal_and_area(&self, facet: usize) -> ([f64; 3], f64) {
         let [a, b, c] = self.corners(facet);
-        let normal = cross(a, b, c);
+        let normal = twice_area(a, b, c);
         let squared = dot(normal, normal);
         if squared > LEAST_SQUARED {
             let length = squared.sqrt();
@@ -229,21 +214,12 @@ impl Mesh {
             return ([0.0; 3], 0.0);
         }
         let scaled = normal.map(|part| part / largest);
-        let length = dot(scaled, scaled).sqrt();
+        let length = length(scaled);
         (scaled.map(|part| part / length), 0.5 * length * largest)
     }
 }
 
 /// (b - a) x (c - a), a vector along the normal with twice the area as its length.
-fn cross(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
-    let [a, b, c] = [a, b, c].map(Vector3::from);
-    (b - a).cross(&(c - a)).into()
-}
-
-fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    (Vector3::from(a) - Vector3::from(b)).into()
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    Vector3::from(a).dot(&Vector3::from(b))
+fn twice_area(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> [f64; 3] {
+    cross(difference(b, a), difference(c, a))
 }

@@ -1,6 +1,6 @@
 //! Whether other facets are above a point of a facet, exactly: for facets that are too narrow for a raster.
 
-use super::{Mesh, cross};
+use super::{Mesh, twice_area};
 use crate::numerics::raster::Frame;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -93,8 +93,8 @@ const BORDER: f64 = 1e-9;
 
 /// The height of a triangle at a point inside it, seen from above; `None` outside, and for a triangle that is a wall.
 fn height_at([a, b, c]: [[f64; 3]; 3], point: [f64; 3], is_of_wall: bool) -> Option<f64> {
-    let whole = cross(a, b, c)[2];
-    let [u, v] = [cross(a, point, c)[2], cross(a, b, point)[2]].map(|part| part / whole);
+    let whole = twice_area(a, b, c)[2];
+    let [u, v] = [twice_area(a, point, c)[2], twice_area(a, b, point)[2]].map(|part| part / whole);
     let border = if is_of_wall { BORDER } else { -BORDER };
     let is_inside = whole != 0.0 && u > border && v > border && u + v < 1.0 - border;
     is_inside.then(|| a[2] + u * (b[2] - a[2]) + v * (c[2] - a[2]))

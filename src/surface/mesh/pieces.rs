@@ -1,6 +1,7 @@
 //! The connected pieces of a mesh, found by union-find, and whether each is a closed solid.
 
-use super::{Mesh, cross, dot};
+use super::{Mesh, twice_area};
+use crate::numerics::vector::{dot, length};
 
 /// The piece to which each facet belongs. Facets that share a point are connected.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -104,7 +105,7 @@ impl Mesh {
                 let point = self.points()[point as usize];
                 [0, 1, 2].map(|axis| point[axis] - centre[axis])
             });
-            sums[*piece as usize].add(a, cross(a, b, c));
+            sums[*piece as usize].add(a, twice_area(a, b, c));
         }
         sums.into_iter().map(|sums| sums.closure(extent)).collect()
     }
@@ -142,12 +143,12 @@ impl Enclosed {
     /// Adds a facet by a corner, and its area vector times two.
     fn add(&mut self, corner: [f64; 3], vector: [f64; 3]) {
         self.vector = [0, 1, 2].map(|axis| self.vector[axis] + vector[axis]);
-        self.area += dot(vector, vector).sqrt();
+        self.area += length(vector);
         self.volume += dot(corner, vector);
     }
 
     fn closure(self, extent: f64) -> Closure {
-        let is_open = dot(self.vector, self.vector).sqrt() > MISSING * self.area || self.volume.abs() < THINNEST * self.area * extent;
+        let is_open = length(self.vector) > MISSING * self.area || self.volume.abs() < THINNEST * self.area * extent;
         match (is_open, self.volume > 0.0) {
             (true, _) => Closure::Open,
             (false, true) => Closure::Outwards,

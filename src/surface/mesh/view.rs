@@ -1,7 +1,8 @@
 //! A mesh seen from above, on a raster: the highest facet at each cell centre, and its height.
 
-use super::{Mesh, WALL, cross, dot};
+use super::{Mesh, WALL, twice_area};
 use crate::numerics::raster::{Frame, Raster};
+use crate::numerics::vector::dot;
 use crate::surface::Bounds;
 use rayon::prelude::*;
 
@@ -74,7 +75,7 @@ impl Mesh {
             let mut visited = 0;
             for facet in 0..self.triangles().len() {
                 let [a, b, c] = self.corners(facet);
-                let Some(up) = side_seen(cross(a, b, c)) else { continue };
+                let Some(up) = side_seen(twice_area(a, b, c)) else { continue };
                 visited += 1;
                 if visited >= TURN {
                     visited = 0;
@@ -103,7 +104,7 @@ impl Mesh {
         let (min, max) = ([min[0], min[1]], [max[0], max[1]]);
         let (area, extent) = self.triangles().iter().fold((0.0, 0.0), |(area, extent), triangle| {
             let [a, b, c] = triangle.map(|index| self.points()[index as usize]);
-            (area + 0.5 * cross(a, b, c)[2].abs(), extent + a[1].max(b[1]).max(c[1]) - a[1].min(b[1]).min(c[1]))
+            (area + 0.5 * twice_area(a, b, c)[2].abs(), extent + a[1].max(b[1]).max(c[1]) - a[1].min(b[1]).min(c[1]))
         });
         let affordable = Frame::affordable_cell(area, extent, VISITS);
         #[expect(clippy::cast_precision_loss, reason = "at most 4096")]

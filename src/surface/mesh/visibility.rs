@@ -2,8 +2,9 @@
 
 use super::occluded::Uncertain;
 use super::view::side_seen;
-use super::{Mesh, cross};
+use super::{Mesh, twice_area};
 use crate::cancellation::collect_until;
+use crate::numerics::vector::length;
 use crate::quantity::Angle;
 
 /// The class of a facet for a cutter from above.
@@ -141,7 +142,7 @@ impl Mesh {
         let one = |facet: usize| {
             let corners = self.corners(facet);
             let [a, b, c] = corners;
-            let side = side_seen(cross(a, b, c));
+            let side = side_seen(twice_area(a, b, c));
             let (mut covered, mut shown) = (0_u32, 0_u32);
             if let Some(up) = side {
                 frame.scan(corners, 0..frame.rows, |cell, z, on_edge| {
@@ -167,7 +168,7 @@ impl Mesh {
                 at_the_border || centroid[2] >= lowest - rounding
             };
             // tan(S) > tan(max), without a quotient or an arc tangent for each facet.
-            let horizontal = (normal[0] * normal[0] + normal[1] * normal[1]).sqrt();
+            let horizontal = length([normal[0], normal[1]]);
             let steep = horizontal * max_slope.cos() > normal[2].abs() * max_slope.sin();
             Examined { side, visible, steep, is_between_centres: covered == 0, area }
         };

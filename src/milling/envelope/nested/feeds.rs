@@ -76,7 +76,7 @@ impl Value for Feeds<'_> {
         Left::At { value: -length, by_side: -by_side }
     }
 
-    /// Marks that may be further apart may be closer together.
+    /// Marks that clear an offset at one spacing also clear it at every smaller one.
     fn is_kept(&self, _: &Clearing, _: f64, _: f64) -> bool {
         true
     }

@@ -92,7 +92,7 @@ pub(super) trait Value {
     /// What marks leave at the offset t.
     fn left(&self, marks: &Clearing, t: f64, start: &mut Self::Start) -> Left;
 
-    /// Whether marks that leave at most `value` at the offset t leave no more if another pass leaves that value.
+    /// Whether marks that leave at most `value` at the offset t also clear it at exactly that value.
     fn is_kept(&self, marks: &Clearing, t: f64, value: f64) -> bool;
 }
 
@@ -177,7 +177,7 @@ fn searched_least(values: &impl Value, s: f64, marks: [&Clearing; 2]) -> Option<
                     bound = bound.max(meeting.value);
                     // Where the round begins or a flat ends, a value grows with the square of the distance from there, which
                     // tangents only halve. The change of the slope since the last place on the same side shows it. Where the
-                    // parabola has no root, its lowest point is nearest to one.
+                    // parabola has no root, the step is twice that of the tangent.
                     let (excess, steepness) = (near.value - far.value, near.slope - far.slope);
                     let last = lasts[usize::from(excess > 0.0)].replace((t, steepness));
                     let bend = last.map_or(0.0, |(last_t, last_steepness)| (steepness - last_steepness) / (t - last_t));

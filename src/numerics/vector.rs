@@ -1,0 +1,48 @@
+//! Operations on small vectors in arrays. Their squares must neither overflow nor underflow.
+
+/// a . b
+#[inline]
+pub(crate) fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
+    let mut sum = a[0] * b[0];
+    for axis in 1..N {
+        sum += a[axis] * b[axis];
+    }
+    sum
+}
+
+/// |a|
+#[inline]
+pub(crate) fn length<const N: usize>(a: [f64; N]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// a - b
+#[inline]
+pub(crate) fn difference<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|axis| a[axis] - b[axis])
+}
+
+/// a x b
+#[inline]
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn they_are_those_of_nalgebra(a in prop::array::uniform3(-1e9..1e9_f64), b in prop::array::uniform3(-1e9..1e9_f64)) {
+            let [u, v] = [a, b].map(Vector3::from);
+            assert_relative_eq!(dot(a, b), u.dot(&v));
+            assert_relative_eq!(length(a), u.norm());
+            assert_relative_eq!(Vector3::from(difference(a, b)), u - v);
+            assert_relative_eq!(Vector3::from(cross(a, b)), u.cross(&v));
+        }
+    }
+}
