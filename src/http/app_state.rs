@@ -5,9 +5,10 @@ use super::readiness::Readiness;
 use crate::memory_budget::MemoryBudget;
 use crate::settings::HttpSettings;
 use crate::worker_pool::WorkerPool;
+use axum::extract::FromRef;
 
 /// Handles shared by all requests; clones refer to the same objects.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, FromRef)]
 pub struct AppState {
     /// The counters for `/metrics`.
     pub metrics: Metrics,

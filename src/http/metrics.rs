@@ -17,7 +17,6 @@ use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 
-use super::app_state::AppState;
 use super::overload::Overload;
 use crate::memory_budget::MemoryBudget;
 
@@ -157,8 +156,8 @@ pub(crate) fn method_label(method: &Method) -> &'static str {
     get, path = "/metrics", tag = "service", operation_id = "metrics",
     responses((status = 200, description = "The metrics", body = String, content_type = "application/openmetrics-text", example = json!("scallopd_http_requests_in_flight 0\n# EOF\n"))),
 )]
-pub async fn show(State(state): State<AppState>) -> Response {
-    match state.metrics.text() {
+pub async fn show(State(metrics): State<Metrics>) -> Response {
+    match metrics.text() {
         Ok(page) => ([(header::CONTENT_TYPE, "application/openmetrics-text; version=1.0.0; charset=utf-8")], page).into_response(),
         Err(error) => {
             tracing::error!(%error, "the metrics cannot be encoded");

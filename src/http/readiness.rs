@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use axum::extract::State;
 use axum::http::StatusCode;
 
-use super::app_state::AppState;
 use super::problem::ProblemBody;
 
 /// Whether the service accepts requests or is draining. Clones share the state.
@@ -53,6 +52,6 @@ pub async fn livez() -> &'static str {
         (status = 503, description = "About to stop", body = ProblemBody, content_type = "application/problem+json"),
     ),
 )]
-pub async fn readyz(State(state): State<AppState>) -> Result<&'static str, StatusCode> {
-    if state.readiness.is_draining() { Err(StatusCode::SERVICE_UNAVAILABLE) } else { Ok("ready\n") }
+pub async fn readyz(State(readiness): State<Readiness>) -> Result<&'static str, StatusCode> {
+    if readiness.is_draining() { Err(StatusCode::SERVICE_UNAVAILABLE) } else { Ok("ready\n") }
 }

@@ -15,6 +15,7 @@ mod sampled;
 mod shape;
 mod slope;
 mod triangulation;
+mod unit;
 
 pub use bezier::{Bezier, BezierError};
 pub use bounds::Bounds;
@@ -23,9 +24,10 @@ pub use mesh::{FinishFacet, Mesh, MeshBuilder, MeshError, MeshPart};
 pub use moments::Moments;
 pub use principal_axes::PrincipalAxes;
 pub(crate) use received::{ReceivedPart, ReceivedSurface};
-pub use sampled::{Basis, Facing, SampledSurface, Unit};
-pub use shape::{Shape, ShapeError};
+pub use sampled::{Facing, SampledSurface};
+pub use shape::{Basis, Shape, ShapeError};
 pub use triangulation::LONG_EDGE;
+pub use unit::Unit;
 
 /// The largest magnitude of a coordinate, in its own unit: the fourth powers in moments stay below 1e50, so that no sum
 /// over a surface can overflow.

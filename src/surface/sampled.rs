@@ -3,7 +3,8 @@
 
 use super::facets::{Block, DOWN, Facets, UP};
 use super::piece::Piece;
-use super::{LARGEST_COORDINATE, Shape, ShapeError, Sink};
+use super::{Basis, LARGEST_COORDINATE, Shape, ShapeError, Sink, Unit};
+use crate::numerics::vector::length;
 
 /// The sums over a surface's points and facets, in fixed memory.
 ///
@@ -35,54 +36,6 @@ pub enum Facing {
     Up,
     /// All facets.
     Any,
-}
-
-/// The elements from which a shape was computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Basis {
-    /// Its points; there are no facets.
-    Points,
-    /// Its facets that point up.
-    FacetsUp,
-    /// Its facets that point down, because none point up. The surface is turned over.
-    FacetsTurnedOver,
-    /// Its vertical facets, because there are no others.
-    Walls,
-    /// All its facets.
-    AllFacets,
-}
-
-/// The unit of a surface's coordinates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Unit {
-    /// 1 mm
-    #[default]
-    Millimetre,
-    /// 10 mm
-    Centimetre,
-    /// 1000 mm
-    Metre,
-    /// 25.4 mm
-    Inch,
-    /// 0.001 mm
-    Micrometre,
-    /// 304.8 mm
-    Foot,
-}
-
-impl Unit {
-    /// The unit in mm.
-    #[must_use]
-    pub fn mm(self) -> f64 {
-        match self {
-            Self::Millimetre => 1.0,
-            Self::Centimetre => 10.0,
-            Self::Metre => 1000.0,
-            Self::Inch => 25.4,
-            Self::Micrometre => 1e-3,
-            Self::Foot => 304.8,
-        }
-    }
 }
 
 impl SampledSurface {
@@ -215,11 +168,6 @@ impl Sink for SampledSurface {
             sums.facets.pieces.swap(UP, DOWN);
         }
     }
-}
-
-#[inline]
-fn length(v: [f64; 3]) -> f64 {
-    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
 #[cfg(test)]

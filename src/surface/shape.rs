@@ -2,9 +2,24 @@
 //! rectangle.
 
 use super::piece::Piece;
-use super::{Basis, Bounds, LARGEST_COORDINATE, PrincipalAxes, Unit};
+use super::{Bounds, LARGEST_COORDINATE, PrincipalAxes, Unit};
 use crate::quantity::{Angle, Area, FormFactor};
 use std::fmt;
+
+/// The elements from which a shape was computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Basis {
+    /// Its points; there are no facets.
+    Points,
+    /// Its facets that point up.
+    FacetsUp,
+    /// Its facets that point down, because none point up. The surface is turned over.
+    FacetsTurnedOver,
+    /// Its vertical facets, because there are no others.
+    Walls,
+    /// All its facets.
+    AllFacets,
+}
 
 /// The shape of a surface, from the principal axes of its points or facets [Herraz et al. 2020, section 5].
 #[derive(Debug, Clone, Copy, PartialEq)]

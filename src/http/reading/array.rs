@@ -1,7 +1,6 @@
 //! Reads JSON arrays item by item, without building a tree of values.
 
-use super::object::describe;
-use super::{Faulted, Faults};
+use super::{Faulted, Faults, describe};
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText, Unread};
 

@@ -2,7 +2,7 @@
 //! null for a contact without a value.
 
 use super::array::items;
-use super::{Faulted, Faults, Object, PlainColumns, Slots};
+use super::{Faulted, Faults, Object, PlainColumns};
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual, read_numbers};
 
@@ -21,7 +21,7 @@ pub(crate) enum ColumnKind {
 
 /// An object of columns.
 #[derive(Debug)]
-pub(crate) struct Columns<'a>(Vec<(&'static str, Column<'a>)>);
+pub(crate) struct Columns<'a>(pub(super) Vec<(&'static str, Column<'a>)>);
 
 #[derive(Debug)]
 pub(crate) enum Column<'a> {
@@ -78,12 +78,6 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Fills `slots` with the values of a row; an error if one is of another type.
-    #[inline]
-    pub(crate) fn fill(&self, index: usize, slots: &mut impl Slots) -> Result<(), Unusual> {
-        self.0.iter().try_for_each(|(name, column)| slots.fill(name, &mut Cell { column, index }).map(|_| ()))
-    }
-
     /// A row as the JSON text of an object, whether its values are valid or not.
     pub(crate) fn text(&self, index: usize) -> String {
         let members = self.0.iter().filter_map(|(name, column)| Some(format!("{name:?}:{}", column.text(index)?)));
@@ -116,81 +110,9 @@ impl<'a> Column<'a> {
     }
 
     /// The value of a row of unparsed items.
-    fn item<P: PlainValue>(&self, index: usize) -> Result<Option<P>, Unusual> {
+    pub(super) fn item<P: PlainValue>(&self, index: usize) -> Result<Option<P>, Unusual> {
         let Self::Items(items) = self else { return Err(Unusual) };
         let mut json = PlainJson::new(items.get(index).ok_or(Unusual)?.get().as_bytes());
         if json.takes_null() { Ok(None) } else { P::read(&mut json).map(Some) }
-    }
-}
-
-/// A source from which the value of a member is read.
-pub(crate) trait ValueSource {
-    /// The value, if there is one; an error for a value of another type.
-    fn value<P: CellValue>(&mut self) -> Result<Option<P>, Unusual>;
-}
-
-impl ValueSource for PlainJson<'_> {
-    #[inline]
-    fn value<P: CellValue>(&mut self) -> Result<Option<P>, Unusual> {
-        P::read(self).map(Some)
-    }
-}
-
-/// The item of a column for a row.
-struct Cell<'c> {
-    column: &'c Column<'c>,
-    index: usize,
-}
-
-impl ValueSource for Cell<'_> {
-    #[inline]
-    fn value<P: CellValue>(&mut self) -> Result<Option<P>, Unusual> {
-        P::of_column(self.column, self.index)
-    }
-}
-
-/// A value that a column has for a row.
-pub(crate) trait CellValue: PlainValue {
-    /// The kind of a column of such values.
-    fn column_kind() -> ColumnKind;
-
-    /// The value of a row, if it has one; an error for a value of another type.
-    fn of_column(column: &Column<'_>, index: usize) -> Result<Option<Self>, Unusual>;
-}
-
-impl CellValue for f64 {
-    fn column_kind() -> ColumnKind {
-        ColumnKind::Numbers
-    }
-
-    #[inline]
-    fn of_column(column: &Column<'_>, index: usize) -> Result<Option<Self>, Unusual> {
-        match column {
-            Column::Numbers(numbers) => Ok(numbers.get(index).copied().filter(|number| !number.is_nan())),
-            _ => column.item(index),
-        }
-    }
-}
-
-impl<const N: usize> CellValue for [f64; N] {
-    fn column_kind() -> ColumnKind {
-        ColumnKind::Arrays
-    }
-
-    fn of_column(column: &Column<'_>, index: usize) -> Result<Option<Self>, Unusual> {
-        column.item(index)
-    }
-}
-
-impl<S: Slots> CellValue for S {
-    fn column_kind() -> ColumnKind {
-        ColumnKind::Object(S::columns())
-    }
-
-    fn of_column(column: &Column<'_>, index: usize) -> Result<Option<Self>, Unusual> {
-        let Column::Object(columns) = column else { return Err(Unusual) };
-        let mut slots = S::default();
-        columns.fill(index, &mut slots)?;
-        Ok((!slots.are_absent()).then_some(slots))
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, NoAnswerCode, ProblemFigure, RequestFault};
-use crate::json_text::JsonPath;
+use crate::json_text::{JsonPath, JsonText, not_finite};
 use crate::milling::NoAnswer;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt;
 use utoipa::ToSchema;
 
@@ -137,6 +138,27 @@ impl Faults {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.listed.is_empty()
+    }
+}
+
+/// Describes a JSON value for the detail of a fault.
+pub(crate) fn describe(raw: JsonText<'_>) -> Cow<'static, str> {
+    const SHOWN: usize = 40;
+    let text = raw.get();
+    if let Some(token) = not_finite::token(text) {
+        return token.into();
+    }
+    match text.as_bytes()[0] {
+        b'{' => "an object".into(),
+        b'[' => "an array".into(),
+        b't' | b'f' => format!("the boolean {text}").into(),
+        b'n' => "null".into(),
+        first => {
+            let what = if first == b'"' { "the string" } else { "the number" };
+            let shown: String = text.chars().take(SHOWN).collect();
+            let more = if shown.len() < text.len() { "..." } else { "" };
+            format!("{what} {shown}{more}").into()
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! The kinds of values that members take: quantities, whole numbers, vectors and words.
 
 use super::array::items;
-use super::object::describe;
-use super::{Components, Faulted, Faults, Kind, PlainKind};
+use super::components::description;
+use super::{Components, Faulted, Faults, Kind, PlainKind, describe};
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText, not_finite};
 use crate::milling::Contact;
@@ -60,7 +60,7 @@ impl<T> Kind for Quantity<T> {
         let Err(OutOfRange { minimum, maximum }) = (self.of)(f64::NAN) else { unreachable!("NaN is not a quantity") };
         // The limits of double precision are not bounds of the quantity.
         let bound = |bound: f64| (bound.abs() < f64::MAX).then_some(bound);
-        let schema = ObjectBuilder::new().schema_type(Type::Number).description(Some(about)).examples([self.example]);
+        let schema = ObjectBuilder::new().schema_type(Type::Number).description(description(about)).examples([self.example]);
         schema.minimum(self.minimum.or(bound(minimum))).maximum(bound(maximum)).into()
     }
 }
@@ -96,7 +96,7 @@ impl Kind for Whole {
     }
 
     fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
-        let schema = ObjectBuilder::new().schema_type(Type::Integer).description(Some(about)).examples([self.example]);
+        let schema = ObjectBuilder::new().schema_type(Type::Integer).description(description(about)).examples([self.example]);
         schema.minimum(Some(f64::from(self.minimum))).maximum(Some(f64::from(self.maximum))).into()
     }
 }
@@ -158,7 +158,7 @@ impl<K: Kind<Value = f64>, const N: usize> Kind for Tuple<K, N> {
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         let schema = ArrayBuilder::new().items(self.of.schema("", components)).min_items(Some(N)).max_items(Some(N));
-        schema.description(Some(about)).examples([serde_json::json!(self.example.as_slice())]).into()
+        schema.description(description(about)).examples([serde_json::json!(self.example.as_slice())]).into()
     }
 }
 
@@ -209,7 +209,7 @@ impl<T: Copy> Kind for Choice<T> {
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         match self.name {
             Some(name) => components.refer(name, about, |_| self.words_schema().into()),
-            None => self.words_schema().description(Some(about)).into(),
+            None => self.words_schema().description(description(about)).into(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Members that are arrays of values of one kind.
 
 use super::array::items;
+use super::components::description;
 use super::{Components, Faulted, Faults, Kind};
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText};
@@ -32,6 +33,6 @@ impl<K: Kind> Kind for List<K> {
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         let item = self.item.schema(self.about_item, components);
-        ArrayBuilder::new().items(item).min_items(Some(self.fewest)).max_items(Some(self.most)).description(Some(about)).into()
+        ArrayBuilder::new().items(item).min_items(Some(self.fewest)).max_items(Some(self.most)).description(description(about)).into()
     }
 }

@@ -1,8 +1,7 @@
 //! Named members of requests and the kinds of their values. One declaration defines both the reader and the schema.
 
-use super::{CellValue, Components, Faulted, Faults};
+use super::{Components, Faulted, Faults};
 use crate::json_text::{JsonPath, JsonText};
-use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// A named member of a request.
@@ -31,20 +30,4 @@ pub(crate) trait Kind {
 
     /// The schema, with `about` as the description; schemas that it refers to are added to `components`.
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema>;
-}
-
-/// A kind of value that batches read without collecting faults.
-pub(crate) trait PlainKind: Kind {
-    /// The value as in JSON.
-    type Plain: CellValue;
-
-    /// The schema of a column: an array of values of the kind, null where a row has none.
-    fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
-        let null = ObjectBuilder::new().schema_type(Type::Null);
-        let item = OneOfBuilder::new().item(self.schema("", components)).item(null);
-        ArrayBuilder::new().items(item).max_items(Some(most)).description(Some(about)).into()
-    }
-
-    /// The checked value; `None` if `plain` is faulty.
-    fn accept(&self, plain: Self::Plain) -> Option<Self::Value>;
 }

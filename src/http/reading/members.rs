@@ -2,6 +2,7 @@
 //! of batches.
 
 use super::{Faulted, Faults, Object, ObjectSchema};
+use crate::http::codes::RequestFault;
 
 /// The members of an object. Each field is the value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
@@ -25,6 +26,45 @@ pub(crate) trait Members: Sized {
 pub(crate) enum Form<A, B> {
     First(A),
     Second(B),
+}
+
+impl Object<'_, '_> {
+    /// Whether one of the members `M` is present and not taken yet.
+    pub(crate) fn has_any_of<M: Members>(&self) -> bool {
+        M::NAMES.iter().any(|name| self.has(name))
+    }
+
+    /// Reads the members of one of two forms of an object. `forms` is the text of the fault if none or both are
+    /// present.
+    pub(crate) fn one_of<A: Members, B: Members>(&mut self, forms: &str, faults: &mut Faults) -> Result<Form<A, B>, Faulted> {
+        match (self.has_any_of::<A>(), self.has_any_of::<B>()) {
+            (true, false) => Ok(Form::First(A::read(self, faults))),
+            (false, true) => Ok(Form::Second(B::read(self, faults))),
+            (true, true) => {
+                // Both forms are read, so that all their faults are listed.
+                A::check(self, faults);
+                B::check(self, faults);
+                Err(faults.add(&self.path(), RequestFault::ConflictingFields, format_args!("{forms}, not both")))
+            }
+            (false, false) => {
+                // Faults of unknown members list both forms.
+                self.known.extend(A::NAMES.iter().chain(B::NAMES));
+                Err(faults.add(&self.path(), RequestFault::MissingField, forms))
+            }
+        }
+    }
+}
+
+impl ObjectSchema<'_> {
+    /// Adds the members `M`.
+    pub(crate) fn with<M: Members>(self) -> Self {
+        M::describe(self)
+    }
+
+    /// Adds the members `M`, none of them required: one form of several.
+    pub(crate) fn with_form<M: Members>(self) -> Self {
+        M::describe_form(self)
+    }
 }
 
 /// The value of two members of which at most one may be given; `None` if both are.

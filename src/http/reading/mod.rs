@@ -3,6 +3,7 @@
 
 mod array;
 mod columns;
+mod components;
 mod cut_out;
 mod faults;
 mod kinds;
@@ -14,13 +15,14 @@ mod schema;
 mod slots;
 
 pub(crate) use array::{each_raw, items};
-pub(crate) use columns::{CellValue, Columns, KnownColumns, ValueSource};
+pub(crate) use columns::{Columns, KnownColumns};
+pub(crate) use components::Components;
 pub(crate) use cut_out::{CutOut, Large, PlainColumns};
-pub(crate) use faults::{Fault, Faulted, Faults};
+pub(crate) use faults::{Fault, Faulted, Faults, describe};
 pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use list::List;
-pub(crate) use member::{Kind, Member, PlainKind};
+pub(crate) use member::{Kind, Member};
 pub(crate) use members::{Form, Members, at_most_one, members};
-pub(crate) use object::{Object, describe};
-pub(crate) use schema::{AddMembers, Components, ObjectSchema};
-pub(crate) use slots::Slots;
+pub(crate) use object::Object;
+pub(crate) use schema::{AddMembers, ObjectSchema};
+pub(crate) use slots::{CellValue, PlainKind, Slots, ValueSource};

@@ -1,8 +1,8 @@
 //! The reader of JSON objects. Callers take the members one by one; all faults are recorded.
 
-use super::{Faulted, Faults, Form, Kind, Member, Members};
+use super::{Faulted, Faults, Kind, Member, describe};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonError, JsonMembers, JsonPath, JsonText, Unread, not_finite};
+use crate::json_text::{JsonError, JsonMembers, JsonPath, JsonText, Unread};
 use std::borrow::Cow;
 
 /// A JSON object whose members are taken one by one. The members left at the end are unknown fields.
@@ -10,7 +10,7 @@ pub(crate) struct Object<'a, 'p> {
     path: JsonPath<'p>,
     members: Vec<(Cow<'a, str>, JsonText<'a>)>,
     unkept: usize,
-    known: Vec<&'static str>,
+    pub(super) known: Vec<&'static str>,
 }
 
 impl<'a, 'p> Object<'a, 'p> {
@@ -49,11 +49,6 @@ impl<'a, 'p> Object<'a, 'p> {
         self.members.iter().any(|(key, _)| key == name)
     }
 
-    /// Whether one of the members `M` is present and not taken yet.
-    pub(crate) fn has_any_of<M: Members>(&self) -> bool {
-        M::NAMES.iter().any(|name| self.has(name))
-    }
-
     /// Takes the member `name` unparsed. A repeated name is a fault.
     pub(crate) fn take(&mut self, name: &'static str, faults: &mut Faults) -> Option<JsonText<'a>> {
         self.known.push(name);
@@ -85,26 +80,6 @@ impl<'a, 'p> Object<'a, 'p> {
             return Ok(None);
         };
         member.kind.read(raw, self.path.member(member.name), faults).map(Some)
-    }
-
-    /// Reads the members of one of two forms of an object. `forms` is the text of the fault if none or both are
-    /// present.
-    pub(crate) fn one_of<A: Members, B: Members>(&mut self, forms: &str, faults: &mut Faults) -> Result<Form<A, B>, Faulted> {
-        match (self.has_any_of::<A>(), self.has_any_of::<B>()) {
-            (true, false) => Ok(Form::First(A::read(self, faults))),
-            (false, true) => Ok(Form::Second(B::read(self, faults))),
-            (true, true) => {
-                // Both forms are read, so that all their faults are listed.
-                A::check(self, faults);
-                B::check(self, faults);
-                Err(faults.add(&self.path, RequestFault::ConflictingFields, format_args!("{forms}, not both")))
-            }
-            (false, false) => {
-                // Faults of unknown members list both forms.
-                self.known.extend(A::NAMES.iter().chain(B::NAMES));
-                Err(faults.add(&self.path, RequestFault::MissingField, forms))
-            }
-        }
     }
 
     /// Reads the whole object with `read`; members that `read` does not take are faults.
@@ -145,27 +120,6 @@ const MOST_MEMBERS: usize = 256;
 /// The largest number of unknown members of an object whose faults list the known members. The limit keeps an answer
 /// from being much longer than its request.
 const MOST_WITH_KNOWN: usize = 4;
-
-/// Describes a JSON value for the detail of a fault.
-pub(crate) fn describe(raw: JsonText<'_>) -> Cow<'static, str> {
-    const SHOWN: usize = 40;
-    let text = raw.get();
-    if let Some(token) = not_finite::token(text) {
-        return token.into();
-    }
-    match text.as_bytes()[0] {
-        b'{' => "an object".into(),
-        b'[' => "an array".into(),
-        b't' | b'f' => format!("the boolean {text}").into(),
-        b'n' => "null".into(),
-        first => {
-            let what = if first == b'"' { "the string" } else { "the number" };
-            let shown: String = text.chars().take(SHOWN).collect();
-            let more = if shown.len() < text.len() { "..." } else { "" };
-            format!("{what} {shown}{more}").into()
-        }
-    }
-}
 
 #[cfg(test)]
 mod tests {

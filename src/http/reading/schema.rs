@@ -1,33 +1,10 @@
-//! Schemas of request objects, built from the declarations of their members, and the named schemas to which they refer.
+//! Schemas of request objects, built from the declarations of their members.
 
-use super::{Kind, Member, Members, PlainKind};
-use utoipa::ToSchema;
-use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, OneOfBuilder, RefBuilder, Type};
+use super::{Components, Kind, Member};
+use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// Named schemas. A schema is added at the first reference to it.
-#[derive(Default)]
-pub(crate) struct Components(Vec<(String, RefOr<Schema>)>);
-
 impl Components {
-    /// A reference to the schema `name`, which `build` builds. `about` is the description at the reference.
-    pub(crate) fn refer(&mut self, name: &str, about: &str, build: impl FnOnce(&mut Self) -> RefOr<Schema>) -> RefOr<Schema> {
-        if !self.0.iter().any(|(known, _)| known == name) {
-            let schema = build(self);
-            self.0.push((name.to_owned(), schema));
-        }
-        RefBuilder::new().ref_location_from_schema_name(name).description((!about.is_empty()).then_some(about)).build().into()
-    }
-
-    /// A reference to the schema of a type that derives it.
-    pub(crate) fn refer_type<T: ToSchema>(&mut self) -> RefOr<Schema> {
-        let name = T::name();
-        self.refer(&name, "", |components| {
-            T::schemas(&mut components.0);
-            T::schema()
-        })
-    }
-
     /// A reference to the schema `name` of an object, described as `about`, with the members that `add` adds. `at` is
     /// the description at the reference.
     pub(crate) fn refer_object(&mut self, name: &str, at: &str, about: &str, add: AddMembers<'_>) -> RefOr<Schema> {
@@ -39,10 +16,6 @@ impl Components {
         let any = OneOfBuilder::new().description(Some(about));
         forms.iter().fold(any, |any, (name, about, add)| any.item(self.refer_object(name, "", about, add)))
     }
-
-    pub(crate) fn into_named(self) -> Vec<(String, RefOr<Schema>)> {
-        self.0
-    }
 }
 
 /// Adds members to a schema.
@@ -51,7 +24,7 @@ pub(crate) type AddMembers<'f> = &'f dyn Fn(ObjectSchema<'_>) -> ObjectSchema<'_
 /// The schema of an object that allows only its own members.
 pub(crate) struct ObjectSchema<'c> {
     builder: ObjectBuilder,
-    components: &'c mut Components,
+    pub(super) components: &'c mut Components,
 }
 
 impl<'c> ObjectSchema<'c> {
@@ -72,12 +45,6 @@ impl<'c> ObjectSchema<'c> {
         self.property(member.name, schema)
     }
 
-    /// Adds a column of at most `most` values of a member, which may be absent.
-    pub(crate) fn column<K: PlainKind>(self, member: &Member<K>, most: usize) -> Self {
-        let schema = member.kind.column_schema(member.about, most, self.components);
-        self.property(member.name, schema)
-    }
-
     /// Adds a member of the schema `schema` that may be absent.
     pub(crate) fn property(self, name: &str, schema: impl Into<RefOr<Schema>>) -> Self {
         Self { builder: self.builder.property(name, schema), components: self.components }
@@ -87,16 +54,6 @@ impl<'c> ObjectSchema<'c> {
     pub(crate) fn required_property(self, name: &str, schema: impl Into<RefOr<Schema>>) -> Self {
         let Self { builder, components } = self.property(name, schema);
         Self { builder: builder.required(name), components }
-    }
-
-    /// Adds the members `M`.
-    pub(crate) fn with<M: Members>(self) -> Self {
-        M::describe(self)
-    }
-
-    /// Adds the members `M`, none of them required: one form of several.
-    pub(crate) fn with_form<M: Members>(self) -> Self {
-        M::describe_form(self)
     }
 
     pub(crate) fn build(self) -> RefOr<Schema> {

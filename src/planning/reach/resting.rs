@@ -57,19 +57,12 @@ impl RestingHeights {
         &self.blocks[0].heights
     }
 
-    /// t(x, y), the lowest height of the tip at (x, y) in mm at which the cutter does not cut into the surface;
-    /// `None` if there is no surface under the cutter.
+    /// The lowest height in mm to which a tip at `tip` must be raised so that the cutter does not cut into the surface: t(x,
+    /// y), or the tip's own height if that is higher or there is no surface under the cutter. The nearer the tip is to
+    /// that height, the fewer cells are evaluated.
     ///
-    /// On a smooth surface it is too low by up to e^2/(2 r cos^3 S), on a level plane it is exact. Near a sharp edge it
-    /// is too low by the change of p over half a cell.
-    #[must_use]
-    pub fn lowest_tip(&self, cutter: Cutter, at: [f64; 2]) -> Option<f64> {
-        Some(self.highest(cutter, at, f64::NEG_INFINITY) + self.level).filter(|height| height.is_finite())
-    }
-
-    /// The lowest height to which a tip at `tip` must be raised so that the cutter does not cut into the surface: t(x,
-    /// y), or the tip's own height if that is higher. The nearer the tip is to that height, the fewer cells are
-    /// evaluated.
+    /// On a smooth surface t is too low by up to e^2/(2 r cos^3 S), on a level plane it is exact. Near a sharp edge it is
+    /// too low by the change of p over half a cell.
     #[must_use]
     pub fn raised(&self, cutter: Cutter, [x, y, z]: [f64; 3]) -> f64 {
         z.max(self.highest(cutter, [x, y], z - self.level) + self.level)

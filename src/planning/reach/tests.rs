@@ -174,14 +174,14 @@ fn the_lowest_tip_clears_the_surface() {
     let (plane, _) = surface(40.0, 30.0, 5, 4, |x, _| 0.75 * x);
     let resting = RestingHeights::new(&plane.seen_from_above(512));
     let ball = Cutter::ball_end(mm(8.0));
-    let tip = resting.lowest_tip(ball, [20.0, 15.0]).unwrap();
+    let tip = resting.raised(ball, [20.0, 15.0, f64::NEG_INFINITY]);
     // 1/cos S = 1.25; e^2/(2 R cos^3 S) with e = 40/512/sqrt 2.
     let error = (40.0 / 512.0_f64).powi(2) / 2.0 / (2.0 * 4.0) * 1.25_f64.powi(3);
     assert!(tip <= 15.0 + 1.0 + 1e-9 && tip >= 16.0 - error, "{tip} {error}");
-    assert_eq!(resting.lowest_tip(ball, [-5.0, 15.0]), None);
-    assert_eq!(resting.lowest_tip(ball, [1e300, 1e300]), None);
+    assert_eq!(resting.raised(ball, [-5.0, 15.0, -3.0]), -3.0);
+    assert_eq!(resting.raised(ball, [1e300, 1e300, -3.0]), -3.0);
     // A toroidal cutter: (R - r) tan S + r (1/cos S - 1).
-    let bull = resting.lowest_tip(Cutter::toroidal(mm(8.0), mm(1.0)).unwrap(), [20.0, 15.0]).unwrap();
+    let bull = resting.raised(Cutter::toroidal(mm(8.0), mm(1.0)).unwrap(), [20.0, 15.0, f64::NEG_INFINITY]);
     assert_relative_eq!(bull, 15.0 + 3.0 * 0.75 + 0.25, epsilon = 0.02);
 }
 
@@ -200,7 +200,7 @@ fn resting_heights_are_the_highest_of_all_cells() {
             });
             let highest = under.fold(f64::NEG_INFINITY, f64::max);
             // Heights of 1.4 mm in single precision.
-            assert_abs_diff_eq!(resting.lowest_tip(cutter, at).unwrap(), highest, epsilon = 2e-7);
+            assert_abs_diff_eq!(resting.raised(cutter, [at[0], at[1], f64::NEG_INFINITY]), highest, epsilon = 2e-7);
             assert_abs_diff_eq!(resting.raised(cutter, [at[0], at[1], highest - 0.5]), highest, epsilon = 2e-7);
             assert_eq!(resting.raised(cutter, [at[0], at[1], highest + 0.5]), highest + 0.5);
         }

@@ -12,6 +12,7 @@ mod confidence;
 mod critical;
 mod inclined;
 mod job;
+mod plan;
 mod recommendation;
 
 pub use any_cutter::{RectanglePlan, plan_on_rectangle};
@@ -19,4 +20,5 @@ pub use confidence::{Evidence, Weakness};
 pub use critical::{CriticalFormFactor, CriticalSlope, critical_form_factor, critical_slope};
 pub use inclined::{HeightExceedsWidth, InclinedRectangle, Zigzag};
 pub use job::{Job, JobError};
-pub use recommendation::{Candidate, CutterChoice, Plan, PlanError, Recommendation, plan, recommend};
+pub use plan::{Candidate, CutterChoice, Plan, plan};
+pub use recommendation::{PlanError, Recommendation, recommend};

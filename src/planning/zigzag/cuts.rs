@@ -1,10 +1,10 @@
 //! The cuts of a plan's planes through the facets, and the runs that they form.
 
+use super::heading::Heading;
 use super::plan::ZigzagPlan;
 use super::regions::Stretch;
 use super::spaced::Spaced;
-use super::sweep::{Heading, Slice};
-use super::tip_path::BYTES_OF_A_LINE;
+use super::sweep::Slice;
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
 
@@ -71,8 +71,8 @@ pub(super) fn runs_of(plane: usize, at: f64, cuts: Vec<Cut>, spaced: &Spaced) ->
     runs
 }
 
-/// The memory in bytes of the cuts of a plan, of which a growing vector has two copies, and of the lines of the tips over them.
-pub(super) fn bytes_of_cuts(plan: &ZigzagPlan, facets: &[FinishFacet]) -> usize {
+/// The largest number of cuts of a plan.
+pub(super) fn count_of_cuts(plan: &ZigzagPlan, facets: &[FinishFacet]) -> usize {
     let heading = Heading::new(plan.direction);
     let crossed = |facet: &FinishFacet| {
         let across = facet.corners.map(|[x, y, _]| heading.across(x, y));
@@ -80,5 +80,5 @@ pub(super) fn bytes_of_cuts(plan: &ZigzagPlan, facets: &[FinishFacet]) -> usize 
         before(across.into_iter().fold(f64::NEG_INFINITY, f64::max)) - before(across.into_iter().fold(f64::INFINITY, f64::min))
     };
     let cuts: usize = facets.par_iter().with_min_len(4096).map(crossed).sum();
-    (cuts + plan.slivers.len()) * (2 * size_of::<Cut>() + BYTES_OF_A_LINE)
+    cuts + plan.slivers.len()
 }

@@ -4,8 +4,7 @@
 //! border is mostly not in it. Runs that end at the wrong place, or are interrupted by gaps of the sample, have wrong
 //! links.
 
-use super::sweep::Heading;
-use super::workpiece::Workpiece;
+use super::heading::Heading;
 use crate::numerics::raster::Frame;
 
 /// The number of cells along the longer side. The ends of runs are uncertain by half a cell.
@@ -41,11 +40,11 @@ pub(super) struct Outline {
 }
 
 impl Footprint {
-    /// The footprint of all facets. Once `stop` returns true, it returns early, and the result must be discarded.
-    pub(super) fn new(workpiece: &Workpiece, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+    /// The footprint of facets, given by their corners. Once `stop` returns true, it returns early, and the result must be discarded.
+    pub(super) fn new(facets: &[[[f64; 3]; 3]], stop: &(dyn Fn() -> bool + Sync)) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         let (mut area, mut extent) = (0.0, 0.0);
-        for corners in &workpiece.corners {
+        for corners in facets {
             for [x, y, _] in corners {
                 (low, high) = ([low[0].min(*x), low[1].min(*y)], [high[0].max(*x), high[1].max(*y)]);
             }
@@ -56,7 +55,7 @@ impl Footprint {
         let stated = (high[0] - low[0]).max(high[1] - low[1]) / f64::from(SIDE);
         let frame = Frame::covering(low, high, stated.max(Frame::affordable_cell(area, extent, VISITS)).max(f64::MIN_POSITIVE));
         let mut heights = vec![f32::NEG_INFINITY; frame.cells()];
-        for corners in workpiece.corners.chunks(TURN).take_while(|_| !stop()).flatten() {
+        for corners in facets.chunks(TURN).take_while(|_| !stop()).flatten() {
             frame.scan(*corners, 0..frame.rows, |cell, height, _| {
                 #[expect(clippy::cast_possible_truncation, reason = "heights of links need few digits")]
                 let height = height as f32;
@@ -141,6 +140,7 @@ impl Outline {
 
 #[cfg(test)]
 mod tests {
+    use super::super::workpiece::Workpiece;
     use super::*;
     use crate::quantity::Angle;
     use crate::surface::FinishFacet;
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn the_outline_has_the_ends_of_the_surface_along_any_direction() {
         let workpiece = two_rectangles();
-        let footprint = Footprint::new(&workpiece, &|| false);
+        let footprint = Footprint::new(&workpiece.corners, &|| false);
         let cell = footprint.cell();
         assert_abs_diff_eq!(cell, 100.0 / 256.0, epsilon = 1e-12);
         for (degrees, at, ends) in [

@@ -12,7 +12,7 @@ use crate::quantity::Length;
 use crate::surface::FinishFacet;
 use rayon::prelude::*;
 
-/// Shares of the tolerance: spacings are set to `AIM`, with feed marks to `AIM_WITH_MARKS`, because the feed of a
+/// Shares of the tolerance: spacings are set to `AIM`, with tooth marks to `AIM_WITH_MARKS`, because the feed of a
 /// spacing under the largest one exceeds the tolerance by up to 1.4 %.
 const AIM: f64 = 0.99;
 const AIM_WITH_MARKS: f64 = 0.975;

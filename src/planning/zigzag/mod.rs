@@ -6,7 +6,7 @@
 //! lengths are in mm, all times in s.
 //!
 //! The files in the order of use: `workpiece` prepares facets; `slopes` and `spacing` compute the spacings that a
-//! cutter allows; `sweep` sorts facets across a direction; `footprint`
+//! cutter allows; `heading` is a direction; `sweep` sorts facets across it; `footprint`
 //! shows where runs on sampled facets end; `spaced` adds their spacings; `march` places the planes;
 //! `runs` intersects planes and facets; `regions` and `links` order the runs; `tour` adds up times; `simulate` combines
 //! these steps. `room` limits the size of a plan; `prepared` is a candidate with its spacings; `search` tries
@@ -23,6 +23,7 @@ mod contacts;
 mod cuts;
 mod fit;
 mod footprint;
+mod heading;
 mod heights;
 mod imprint;
 mod inspector;

@@ -2,7 +2,7 @@
 
 use super::candidate::{CandidateCutter, FeedRange};
 use super::contacts::FacetContact;
-use super::cuts::{Cut, bytes_of_cuts, cuts_by_plane, runs_of};
+use super::cuts::{Cut, count_of_cuts, cuts_by_plane, runs_of};
 use super::links::{End, Links};
 use super::march::Plane;
 use super::plan::ZigzagPlan;
@@ -13,7 +13,7 @@ use super::settings::ZigzagSettings;
 use super::simulate::Operation;
 use super::spaced::Spaced;
 use super::sweep::Sweep;
-use super::tip_path::{BYTES_AT_ONCE, Place, TipPath};
+use super::tip_path::{BYTES_AT_ONCE, BYTES_OF_A_LINE, Place, TipPath};
 use super::tour::run_time;
 use super::workpiece::Workpiece;
 use crate::milling::{EvaluatedPass, NoAnswer, ScallopHeight};
@@ -226,7 +226,9 @@ fn kept_places(
 #[must_use]
 pub fn bytes_of_passes(plan: &ZigzagPlan, facets: &[FinishFacet], limit: usize) -> usize {
     let at_once = rayon::current_num_threads() * BYTES_AT_ONCE;
-    bytes_of_cuts(plan, facets) + at_once + plan.passes.len() * BYTES_OF_A_PLANE + limit * (2 * size_of::<Place>() + BYTES_OF_A_POINT)
+    // A growing vector has two copies of the cuts; the tip moves over a line for each.
+    let cuts = count_of_cuts(plan, facets) * (2 * size_of::<Cut>() + BYTES_OF_A_LINE);
+    cuts + at_once + plan.passes.len() * BYTES_OF_A_PLANE + limit * (2 * size_of::<Place>() + BYTES_OF_A_POINT)
 }
 
 /// The vectors of a plane: its cuts, its runs, their places.

@@ -1,5 +1,5 @@
-//! Spacings refined where they bind the strips: the estimates of the tables are replaced, facet by facet, by the
-//! spacings at which the scallop height is kept.
+//! Refines the spacing of passes at the facets that limit it: estimates of the tables are replaced by computed spacings
+//! at which the scallop height is kept.
 
 use super::inspector::Inspector;
 use super::march::{NoPlanes, Plane};
@@ -20,8 +20,8 @@ const MOST_OF_STRIP: usize = 16;
 /// The number of facets and strips between two checks for cancellation.
 const TURN: usize = 16_384;
 
-/// The largest number of rounds. The planes of a round lie elsewhere than those before, so that other facets bind; two
-/// rounds bring nearly all of them.
+/// The largest number of rounds. The planes of a round lie elsewhere than those before, so that other facets limit them; two
+/// rounds find nearly all of these.
 const ROUNDS: usize = 4;
 
 /// Estimates over this multiple of the strip's width are left as they are, unless their risk is large.
@@ -30,7 +30,7 @@ const NEAR: f64 = 1.15;
 /// The factor by which an estimate may be too large on a facet on which passes run level.
 const LEVEL: f64 = 2.0;
 
-/// The largest part of a facet's risk that is due to its curvature against that of the cutter's body.
+/// The largest ratio of a facet's curvature to that of the cutter's body that counts in its risk.
 const LARGEST_CURVATURE: f64 = 10.0;
 
 /// Refines the spacings of the facets that bind the strips, and of those where the estimate errs most, until all
@@ -128,8 +128,8 @@ pub(super) struct Tightest {
     pub(super) place: u32,
 }
 
-/// About `count` facets that determine the strips, at least two of a strip; of more strips than `count`, as many at
-/// even distances.
+/// About `count` facets that limit the strips, at least two in each strip. Of more strips than `count`, only strips at even
+/// distances are considered.
 ///
 /// Half of the facets of a strip are those with the smallest estimates, the other half those whose estimates are
 /// smallest once lowered by their risk.

@@ -44,7 +44,7 @@ pub(super) fn times_by_direction(
     room: &Room,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Vec<TimeOfDirection>>> {
-    let footprint = LazyCell::new(|| Arc::new(Footprint::new(workpiece, stop)));
+    let footprint = LazyCell::new(|| Arc::new(Footprint::new(&workpiece.corners, stop)));
     let sampled = |count: usize| (workpiece.len() > count).then(|| workpiece.sampled(count, Some(Arc::clone(&footprint))));
     let around = sampled(MOST_FACETS);
     let around = around.as_ref().unwrap_or(workpiece);

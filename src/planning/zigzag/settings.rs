@@ -18,7 +18,7 @@ pub enum Pattern {
 /// The settings of a ranking.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZigzagSettings {
-    /// The scallop height to keep: of step-over and feed marks together for cutters with a drive, of the step-over
+    /// The scallop height to keep: of step-over and tooth marks together for cutters with a drive, of the step-over
     /// alone for others.
     pub scallop_height: Length,
     /// The machine.

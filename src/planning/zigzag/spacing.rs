@@ -12,7 +12,7 @@ const COLUMNS: usize = 24;
 
 /// The largest spacing of a cutter on planes, as a function of slope and direction, and the feed that belongs to it.
 ///
-/// A ball-end cutter, and any cutter in model `analytic` without feed marks, have closed forms. For others a table of
+/// A ball-end cutter, and any cutter in model `analytic` without tooth marks, have closed forms. For others a table of
 /// squared spacings is interpolated, linearly in cos^2(alpha) and 1/sin(S), in which the squares of circles' chords are
 /// linear. The result is reduced by [`CutterSpacing::MARGIN`], which is more than the error of the interpolation.
 #[derive(Debug, Clone)]
@@ -50,7 +50,7 @@ pub(super) enum FeedLaw {
 #[derive(Debug, Clone)]
 pub(super) struct FeedTable {
     range: FeedRange,
-    /// The feed per tooth, and the squared ratio of the best step-over to the one without feed marks, row by row.
+    /// The feed per tooth, and the squared ratio of the best step-over to the one without tooth marks, row by row.
     nodes: Vec<[f64; 2]>,
 }
 
@@ -58,7 +58,7 @@ pub(super) struct FeedTable {
 #[derive(Clone, Copy)]
 pub(super) struct SpacingInputs<'a> {
     pub(super) cutter: Cutter,
-    /// The scallop height to keep, of step-over and feed marks together if there are `feeds`.
+    /// The scallop height to keep, of step-over and tooth marks together if there are `feeds`.
     pub(super) height: Length,
     pub(super) model: Model,
     /// The feeds of the cutter's drive; `None` without a drive.
@@ -83,7 +83,7 @@ impl CutterSpacing {
     /// at slopes under 3 deg; the check of a plan corrects that.
     pub(super) const MARGIN: f64 = 0.006;
 
-    /// The same with feed marks. There the interpolation exceeds the model's spacing by at most 1.1 %: the area per
+    /// The same with tooth marks. There the interpolation exceeds the model's spacing by at most 1.1 %: the area per
     /// time is flat around its maximum, so that step-over and feed are found only to half a per cent.
     pub(super) const MARGIN_WITH_FEEDS: f64 = 0.014;
 
@@ -174,7 +174,7 @@ impl FeedLaw {
     /// The feed rate in mm/s on a facet, if the plan's squared spacing is the share `taken_of_allowed` of the squared
     /// spacing that the facet allows.
     ///
-    /// The height of step-over and feed marks together is approximated by a sum of squares, h (s/s0)^2 + b f^2, with s0
+    /// The height of step-over and tooth marks together is approximated by a sum of squares, h (s/s0)^2 + b f^2, with s0
     /// the step-over without marks. The feed uses the part of h that s leaves.
     pub(super) fn rate(&self, tangent: &Tangent, cos_alpha: f64, taken_of_allowed: f64) -> f64 {
         match self {
@@ -238,14 +238,14 @@ fn constant_or_table(range: FeedRange, nodes: Vec<[f64; 2]>) -> FeedLaw {
     }
 }
 
-/// The squared ratio of a ball-end cutter's step-over to the one without feed marks, 2 sqrt(2 R h - h^2).
+/// The squared ratio of a ball-end cutter's step-over to the one without tooth marks, 2 sqrt(2 R h - h^2).
 fn share(step_over: f64, ball: Cutter, height: f64) -> f64 {
     let squared = 4.0 * height * (2.0 * ball.outer_radius().mm() - height);
     if squared > 0.0 { (step_over * step_over / squared).min(0.999) } else { 0.0 }
 }
 
 /// The step-over, at most `widest`, and feed that finish the most area per time within the scallop height. With a
-/// largest feed, that is the maximum of s f_z; without feed marks, the largest step-over. `None` if the model has no
+/// largest feed, that is the maximum of s f_z; without tooth marks, the largest step-over. `None` if the model has no
 /// step-over.
 fn best_step_over(
     cutter: Cutter,

@@ -1,12 +1,11 @@
 //! Evidence for the confidence in method `rectangle`, from the facets of the surface and from the simulation on them.
 
 use super::Weakness;
-use crate::planning::rectangle::{CutterChoice, Plan};
 use crate::planning::{Confidence, Reason};
 use crate::quantity::{Angle, Area, Time};
 use crate::surface::Shape;
 
-/// The figures of the surface and of the simulation on it, if there are facets.
+/// The figures of the surface, if there are facets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
     /// The mean slope over the area.
@@ -15,23 +14,9 @@ pub struct Evidence {
     pub area: Area,
     /// The number of connected pieces.
     pub pieces: usize,
-    /// The times of zigzag passes simulated on the surface, of the toroidal and the ball-end cutter.
-    pub simulated: Option<[Time; 2]>,
 }
 
 impl Confidence<Weakness> {
-    /// Adds the weaknesses found from the surface and from the simulation on it.
-    #[must_use]
-    pub fn with_evidence(self, plan: &Plan, shape: &Shape, evidence: &Evidence) -> Self {
-        let with_surface = self.with_surface(shape, evidence);
-        let Some([toroidal, ball_end]) = evidence.simulated else { return with_surface };
-        let (toroidal, ball_end) = ((plan.toroidal.zigzag.time, toroidal), (plan.ball_end.zigzag.time, ball_end));
-        with_surface.with_simulation(&match plan.recommended {
-            CutterChoice::Toroidal => [toroidal, ball_end],
-            CutterChoice::BallEnd => [ball_end, toroidal],
-        })
-    }
-
     /// Adds the deviation of the times on the rectangle from those of passes simulated on the surface. `times` has
     /// both, in this order, for each candidate, the recommended one first.
     #[must_use]

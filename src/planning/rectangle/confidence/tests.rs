@@ -157,22 +157,24 @@ fn evidence_from_the_surface_weakens_the_answer_where_it_disagrees() {
     let recommendation = recommend(&job, &shape).unwrap();
     let plan = recommendation.plan;
     let times = [plan.toroidal.zigzag.time, plan.ball_end.zigzag.time];
-    let agreeing = Evidence { mean_slope: shape.slope, area: shape.characteristic_size, pieces: 1, simulated: Some(times) };
-    let with = |evidence: Evidence| {
-        let confidence = recommendation.confidence.clone().with_evidence(&plan, &shape, &evidence);
+    let agreeing = Evidence { mean_slope: shape.slope, area: shape.characteristic_size, pieces: 1 };
+    // The torus is recommended.
+    let with = |evidence: Evidence, simulated: [Time; 2]| {
+        let confidence = recommendation.confidence.clone().with_surface(&shape, &evidence);
+        let confidence = confidence.with_simulation(&[(times[0], simulated[0]), (times[1], simulated[1])]);
         (confidence.level(), confidence.reasons().iter().map(|reason| reason.weakness).collect::<Vec<_>>())
     };
-    assert_eq!(with(agreeing), (Level::High, vec![]));
+    assert_eq!(with(agreeing, times), (Level::High, vec![]));
     let steeper = Evidence { mean_slope: Angle::from_degrees(22.0).unwrap(), ..agreeing };
-    assert_eq!(with(steeper), (Level::Moderate, vec![Weakness::MeanSlopeFarFromPlane]));
+    assert_eq!(with(steeper, times), (Level::Moderate, vec![Weakness::MeanSlopeFarFromPlane]));
     let larger = Evidence { area: Area::from_mm2(1.5 * shape.characteristic_size.mm2()).unwrap(), ..agreeing };
-    assert_eq!(with(larger), (Level::Low, vec![Weakness::AreaFarFromSize]));
-    assert_eq!(with(Evidence { pieces: 2, ..agreeing }), (Level::Low, vec![Weakness::SeveralPieces]));
+    assert_eq!(with(larger, times), (Level::Low, vec![Weakness::AreaFarFromSize]));
+    assert_eq!(with(Evidence { pieces: 2, ..agreeing }, times), (Level::Low, vec![Weakness::SeveralPieces]));
     let slower = times.map(|time| Time::computed(1.2 * time.seconds()));
-    assert_eq!(with(Evidence { simulated: Some(slower), ..agreeing }), (Level::Moderate, vec![Weakness::SimulationDisagrees]));
-    // The torus is recommended at 15 deg; in the simulation it is 10 % slower.
+    assert_eq!(with(agreeing, slower), (Level::Moderate, vec![Weakness::SimulationDisagrees]));
+    // In the simulation, the torus is 10 % slower than the ball.
     let other = [Time::computed(1.1 * times[1].seconds()), times[1]];
-    let (level, weaknesses) = with(Evidence { simulated: Some(other), ..agreeing });
+    let (level, weaknesses) = with(agreeing, other);
     assert_eq!(level, Level::Low);
     assert!(weaknesses.contains(&Weakness::SimulationPrefersOther));
 }
