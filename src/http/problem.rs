@@ -3,7 +3,7 @@
 //! A handler or layer that fails returns a [`Problem`], or a response with an error status and any body. The outermost
 //! layer, in which path and request id are known, turns both into `application/problem+json` by [`describe_error`].
 
-use super::codes::{Code, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
+use super::codes::{Code, Family, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
 use super::reading::{Fault, Faults};
 use super::request_id::RequestId;
 use super::wire::NotRanked;
@@ -59,9 +59,9 @@ impl Problem {
                 (ServiceProblem::InvalidRequest.into(), format!("{count} faults, {which} in errors"), Vec::new())
             }
         };
-        // Of the faults, only those of files have a status of their own.
-        let of_file = errors.iter().find_map(|fault| fault.code.entry().status);
-        let mut problem = Self::under(of_file.unwrap_or(StatusCode::UNPROCESSABLE_ENTITY), kind, detail);
+        // A request with a faulty file is not calculated: faults of files and missing answers do not occur together.
+        let own = errors.iter().find_map(|fault| fault.code.entry().status);
+        let mut problem = Self::under(own.unwrap_or(StatusCode::UNPROCESSABLE_ENTITY), kind, detail);
         problem.0.errors = errors;
         problem.0.figures = figures.into_iter().map(|(figure, value)| (figure.name.to_owned(), value.into())).collect();
         problem

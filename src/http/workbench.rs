@@ -114,13 +114,18 @@ fn serve(path: &str, headers: &HeaderMap) -> Response {
     let Some((_, file)) = FILES.iter().chain([&CODES]).find(|(known, _)| *known == path) else {
         return StatusCode::NOT_FOUND.into_response();
     };
-    let is_known = headers.get_all(header::IF_NONE_MATCH).iter().any(|tags| memmem::find(tags.as_bytes(), TAG.as_bytes()).is_some());
+    // Tags are compared without `W/`, and `*` stands for any version (RFC 9110, section 13.1.2).
+    let digest = &TAG.as_bytes()[b"W/".len()..];
+    let is_known = |tags: &HeaderValue| tags == "*" || memmem::find(tags.as_bytes(), digest).is_some();
+    let is_known = headers.get_all(header::IF_NONE_MATCH).iter().any(is_known);
     let mut response = if is_known { StatusCode::NOT_MODIFIED.into_response() } else { file.into_response() };
     let media_type = media_type(path);
     let answered = response.headers_mut();
     answered.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type));
     answered.insert(header::ETAG, TAG.clone());
     answered.insert(header::CACHE_CONTROL, REVALIDATE);
+    // The layer that compresses answers adds it only to those with a body.
+    answered.insert(header::VARY, header::ACCEPT_ENCODING.into());
     if media_type.starts_with("text/html") && path != "docs.html" {
         answered.insert(header::CONTENT_SECURITY_POLICY, PAGE_POLICY);
     }
@@ -161,11 +166,15 @@ mod tests {
         let tag = asked(&[], "main.js").headers()[header::ETAG].to_str().unwrap().to_owned();
         for (known, status) in [
             (tag.clone(), StatusCode::NOT_MODIFIED),
+            (tag.replace("W/", ""), StatusCode::NOT_MODIFIED),
             (format!("\"other\", {tag}"), StatusCode::NOT_MODIFIED),
+            ("*".to_owned(), StatusCode::NOT_MODIFIED),
             ("\"other\"".to_owned(), StatusCode::OK),
+            ("\"*\"".to_owned(), StatusCode::OK),
         ] {
             let known = HeaderValue::try_from(known).unwrap();
-            assert_eq!(serve("main.js", &[(header::IF_NONE_MATCH, known)].into_iter().collect()).status(), status);
+            let answer = serve("main.js", &[(header::IF_NONE_MATCH, known)].into_iter().collect());
+            assert_eq!((answer.status(), &answer.headers()[header::VARY]), (status, &HeaderValue::from_static("accept-encoding")));
         }
         assert_eq!(asked(&[], "../Cargo.toml").status(), StatusCode::NOT_FOUND);
     }

@@ -34,5 +34,6 @@ async fn the_workbench_forbids_inline_scripts_and_is_revalidated() {
     let tag = page.headers()["etag"].clone();
     let again = app.client.get(app.url("/")).header("if-none-match", tag).send().await.unwrap();
     assert_eq!(again.status(), 304);
+    assert_eq!((&again.headers()["vary"], &again.headers()["etag"]), (&page.headers()["vary"], &page.headers()["etag"]));
     assert_eq!(app.get("/workbench/no-such-file.js").await.status(), 404);
 }

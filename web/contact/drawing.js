@@ -1,4 +1,4 @@
-// The cross-section across the feed: the cutter at two neighbouring passes to scale, and a detail of the cusp with the tolerance.
+// The cross-section across the feed: the cutter at two neighbouring passes to scale, and a detail of the scallop with the tolerance.
 //
 // Both show the cutter's exact profile over the surface. Heights over a curved surface are drawn on an arc of its radius.
 
@@ -82,7 +82,7 @@ function scaleBar(right, y, length, text) {
   return [svg('path', { class: 'dimension', d: `M${right - length} ${y - 4}v4h${length}v-4` }), svg('text', { x: right - length / 2, y: y - 6, 'text-anchor': 'middle' }, text)];
 }
 
-/** The detail: one cusp and its two grooves, heights exaggerated by a stated factor, with the tolerance and the dimensions. */
+/** The detail: one scallop and its two grooves, heights exaggerated by a stated factor, with the tolerance and the dimensions. */
 export function detail(section, width, height) {
   const { profile, stepOver, groove, across, stepOverHeight, tolerance } = section;
   const total = section.height;
@@ -119,7 +119,7 @@ export function detail(section, width, height) {
   // Labels at the right are at least a line apart.
   const labels = [
     { w: total, text: `height ${formatWithUnit(total, 'height')}`, class: 'total' },
-    total - stepOverHeight > tallest * 1e-3 && { w: stepOverHeight, text: `cusp ${formatWithUnit(stepOverHeight, 'height')}`, class: 'cusp' },
+    total - stepOverHeight > tallest * 1e-3 && { w: stepOverHeight, text: `scallop ${formatWithUnit(stepOverHeight, 'height')}`, class: 'cusp' },
     tolerance !== undefined && { w: tolerance, text: `tolerance ${formatWithUnit(tolerance, 'height')}`, class: 'tolerance' },
     { w: 0, text: 'nominal surface', class: 'nominal' },
   ].filter(Boolean).map((entry) => ({ ...entry, y: place(half, entry.w)[1] })).sort((a, b) => b.y - a.y);
@@ -132,7 +132,7 @@ export function detail(section, width, height) {
   return svg(
     'svg',
     { viewBox: `0 0 ${width} ${height}`, width, height, role: 'img', 'data-exaggeration': exaggeration, 'data-cusp-mm': cusp?.height ?? '',
-      'aria-label': `Detail of the cusp: height ${formatWithUnit(total, 'height')}, step-over ${formatWithUnit(stepOver, 'length')}, heights drawn ${exaggeration} times larger than widths.` },
+      'aria-label': `Detail of the scallop: height ${formatWithUnit(total, 'height')}, step-over ${formatWithUnit(stepOver, 'length')}, heights drawn ${exaggeration} times larger than widths.` },
     svg(
       'svg',
       { x: left, y: top, width: inner.width, height: height - top - 20, viewBox: `${left} ${top} ${inner.width} ${height - top - 20}` },

@@ -331,7 +331,7 @@ export class ContactView {
       this.#polarCaption.textContent = 'At the tolerance and the feed in use, seen from above. Click to take a direction.';
     } else {
       this.#polar.replaceChildren();
-      this.#polarCaption.textContent = geometry && byDirection ? 'The feed marks alone exceed the tolerance in every direction.' : 'State a tolerance to see the largest step-over in each direction.';
+      this.#polarCaption.textContent = geometry && byDirection ? 'The tooth marks alone exceed the tolerance in every direction.' : 'State a tolerance to see the largest step-over in each direction.';
     }
   }
 }

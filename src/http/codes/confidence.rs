@@ -6,7 +6,7 @@ use crate::planning::zigzag::SurfaceWeakness;
 
 codes! {
     /// The weakness, as a code for programs; docs/codes.md lists meanings and remedies.
-    ConfidenceCode {
+    ConfidenceCode: none {
         DirectionsNotPerpendicular = "directions-not-perpendicular": "Steepest and principal direction are not perpendicular", "Simulate both candidates: the model's rectangle has its long side level.";
         FormFactorNearOne = "form-factor-near-one": "The surface is nearly as wide as it is long", "Choose the ball-end cutter's direction freely.";
         NoPrincipalDirection = "no-principal-direction": "The surface has no principal direction", "Choose the ball-end cutter's direction freely.";
@@ -28,7 +28,7 @@ codes! {
         SmallLead = "small-lead": "The fastest cutter is hardly faster than the next", "Decide by other reasons, such as tool wear.";
         CoarseTessellation = "coarse-tessellation": "The facets are wide compared with the step-over", "Export the surface with a finer tolerance.";
         SteepArea = "steep-area": "Part of the area is too steep for the spacing of passes", "Finish the walls in a separate operation.";
-        HiddenArea = "hidden-area": "Part of the selected area, without the undersides of closed solids, is hidden from above", "Machine it in another set-up.";
+        HiddenArea = "hidden-area": "Part of the selected area is hidden from above (undersides of closed solids are not counted)", "Machine it in another set-up.";
         InconsistentOrientation = "inconsistent-orientation": "Part of the facets face the other way than the rest", "Repair the mesh: unify the orientation of its facets.";
         OverTolerance = "over-tolerance": "Part of the area exceeds the scallop height", "Look at the map of scallop heights; reduce the scallop height.";
     }

@@ -4,7 +4,7 @@ use super::{FileFault, NoAnswerCode, codes, joined_codes};
 
 codes! {
     /// A fault in a request's JSON, form or query.
-    RequestFault {
+    RequestFault: none {
         MissingField = "missing-field": "A required field is missing", "Add the field, which the detail describes.";
         UnknownField = "unknown-field": "A field is unknown", "Remove the field or correct its name; the detail lists the known names.";
         RepeatedField = "repeated-field": "A field is given more than once", "Give it once.";
@@ -20,8 +20,6 @@ codes! {
         FurtherFaults = "further-faults": "The request has more faults than are listed", "Correct the listed ones first.";
         NoDirection = "no-direction": "Vectors or angles do not describe a contact", "Give a normal that points out of the part and a feed that follows the surface.";
         CornerRadiusTooLarge = "corner-radius-too-large": "The corner radius does not fit into the cutter", "Give a corner radius under half the diameter, or a ball-end cutter.";
-        NotToroidal = "not-toroidal": "The cutter to compare is not toroidal", "Give a cutter with 0 < corner radius < half the diameter.";
-        NotBallEnd = "not-ball-end": "The cutter to compare is not a ball-end cutter", "Give a ball-end cutter.";
         ScallopTooHigh = "scallop-too-high": "The scallop height exceeds what a cutter can leave", "Give a height of at most the corner radius and under the ball's radius.";
         HeightExceedsWidth = "height-exceeds-width": "The rectangle's side up the slope is its long side", "Give the long side, which is level, as the width.";
         SizeOutOfRange = "size-out-of-range": "The surface's size or form is outside the method's bounds", "Check the surface's unit and its points.";

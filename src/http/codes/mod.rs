@@ -31,27 +31,28 @@ pub(crate) struct Entry {
     pub(crate) meaning: &'static str,
     /// What a caller can do.
     pub(crate) remedy: &'static str,
-    /// The HTTP status of a problem of this type; `None` if something else determines it.
+    /// The HTTP status of a problem of this type; `None` if the code does not determine one.
     pub(crate) status: Option<StatusCode>,
 }
 
-/// A family of codes.
+/// A code of one family or of several.
 pub(crate) trait Code: Copy + 'static {
-    /// All codes of the family.
-    const ALL: &'static [Self];
-
     /// The code's name, meaning and remedy.
     fn entry(self) -> Entry;
+
+    /// The names of all codes, each once.
+    fn names() -> Vec<&'static str>;
 
     /// The name on the wire.
     fn name(self) -> &'static str {
         self.entry().name
     }
+}
 
-    /// The names of all codes of the family.
-    fn names() -> Vec<&'static str> {
-        Self::ALL.iter().map(|code| code.name()).collect()
-    }
+/// A family of codes.
+pub(crate) trait Family: Code {
+    /// All codes of the family.
+    const ALL: &'static [Self];
 }
 
 /// Converts an enumeration of the domain to one on the wire: each variant to the one of the same name.
@@ -68,31 +69,41 @@ macro_rules! same_names {
 }
 pub(crate) use same_names;
 
-/// Declares a family: for each code the variant, the name on the wire, the status of a problem of this type if it has one
-/// of its own, the meaning and the remedy.
+/// Declares a family: for each code the variant, the name on the wire, the status of a problem of this type, the meaning
+/// and the remedy. A family whose codes have the same status states it once, after its name. The status is `none` if the
+/// code does not determine one.
 macro_rules! codes {
-    ($(#[doc = $about:literal])+ $family:ident { $( $variant:ident = $name:literal $($status:ident)?: $meaning:literal, $remedy:literal; )+ }) => {
+    ($(#[doc = $about:literal])+ $family:ident: $status:ident { $( $variant:ident = $name:literal: $meaning:literal, $remedy:literal; )+ }) => {
+        $crate::http::codes::codes! { $(#[doc = $about])+ $family { $( $variant = $name $status: $meaning, $remedy; )+ } }
+    };
+    ($(#[doc = $about:literal])+ $family:ident { $( $variant:ident = $name:literal $status:ident: $meaning:literal, $remedy:literal; )+ }) => {
         $(#[doc = $about])+
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(crate) enum $family {
             $( #[doc = $meaning] $variant, )+
         }
 
-        impl $crate::http::codes::Code for $family {
+        impl $crate::http::codes::Family for $family {
             const ALL: &'static [Self] = &[$( Self::$variant ),+];
+        }
 
+        impl $crate::http::codes::Code for $family {
             fn entry(self) -> $crate::http::codes::Entry {
                 match self {
                     $( Self::$variant => $crate::http::codes::Entry {
-                        name: $name, meaning: $meaning, remedy: $remedy, status: $crate::http::codes::codes!(@status $($status)?),
+                        name: $name, meaning: $meaning, remedy: $remedy, status: $crate::http::codes::codes!(@status $status),
                     }, )+
                 }
+            }
+
+            fn names() -> Vec<&'static str> {
+                vec![$( $name ),+]
             }
         }
 
         $crate::http::codes::on_the_wire! { $family, concat!($( $about ),+) }
     };
-    (@status) => { None };
+    (@status none) => { None };
     (@status $status:ident) => { Some(axum::http::StatusCode::$status) };
 }
 use codes;
@@ -106,20 +117,14 @@ macro_rules! joined_codes {
             $( #[doc = concat!("A code of the family `", stringify!($family), "`.")] $family($family), )+
         }
 
-        impl $set {
-            /// The code's name, meaning and remedy.
-            pub(crate) fn entry(self) -> $crate::http::codes::Entry {
+        impl $crate::http::codes::Code for $set {
+            fn entry(self) -> $crate::http::codes::Entry {
                 match self {
                     $( Self::$family(code) => $crate::http::codes::Code::entry(code), )+
                 }
             }
 
-            pub(crate) fn name(self) -> &'static str {
-                self.entry().name
-            }
-
-            /// The names of all codes of the set, each once.
-            pub(crate) fn names() -> Vec<&'static str> {
+            fn names() -> Vec<&'static str> {
                 let mut names = Vec::new();
                 for name in [$( <$family as $crate::http::codes::Code>::names() ),+].concat() {
                     if !names.contains(&name) {
@@ -148,20 +153,16 @@ macro_rules! on_the_wire {
     ($codes:ident, $about:expr) => {
         impl serde::Serialize for $codes {
             fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                #[allow(unused_imports, reason = "a joined set has the method itself")]
-                use $crate::http::codes::Code as _;
-                serializer.serialize_str(self.name())
+                serializer.serialize_str($crate::http::codes::Code::name(*self))
             }
         }
 
         impl utoipa::PartialSchema for $codes {
             fn schema() -> utoipa::openapi::RefOr<utoipa::openapi::Schema> {
-                #[allow(unused_imports, reason = "a joined set has the method itself")]
-                use $crate::http::codes::Code as _;
                 utoipa::openapi::ObjectBuilder::new()
                     .schema_type(utoipa::openapi::Type::String)
                     .description(Some($about.trim()))
-                    .enum_values(Some(Self::names()))
+                    .enum_values(Some(<Self as $crate::http::codes::Code>::names()))
                     .into()
             }
         }

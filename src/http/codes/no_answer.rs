@@ -7,11 +7,11 @@ use crate::quantity::Length;
 
 codes! {
     /// A reason why a contact or a surface has no answer.
-    NoAnswerCode {
+    NoAnswerCode: UNPROCESSABLE_ENTITY {
         FlatFloor = "flat-floor": "The analytic model has no answer on a floor", "Use model \"envelope\", or a ball-end cutter.";
         PassesDoNotOverlap = "passes-do-not-overlap": "The passes do not overlap", "Reduce the step-over to at most largest_step_over_mm.";
         MarksDoNotOverlap = "marks-do-not-overlap": "The tooth marks do not overlap", "Reduce the feed per tooth.";
-        Gouging = "gouging": "The cutter gouges", "Use a smaller cutter, another corner radius, or a tilted tool.";
+        Gouging = "gouging": "The cutter gouges", "Use a smaller cutter, another corner radius, or a tilted tool; smallest_radius_mm, if present, is the smallest concave radius that the cutter fits.";
         SharpEdge = "sharp-edge": "The model has no answer if a sharp edge makes the cut", "Use model \"envelope\", a cutter with a corner radius, or another feed direction.";
         PassesCoincideFromAbove = "passes-coincide-from-above": "Seen from above, the passes coincide", "State the step-over along the surface, step_over_mm.";
         ToleranceExceeded = "tolerance-exceeded": "The step-over alone uses up the tolerance", "Reduce the step-over to under max_step_over_mm, or allow more height.";
@@ -32,11 +32,15 @@ pub(crate) struct ProblemFigure {
 const STEP_OVER_HEIGHT: ProblemFigure = figure("step_over_height_mm", "h1, the height that the step-over alone leaves");
 const MAX_STEP_OVER: ProblemFigure = figure(
     "max_step_over_mm",
-    "the step-over whose height is the tolerance; a smaller one leaves room for tooth marks, and for runout if there is any",
+    "the step-over that alone leaves exactly the tolerance; a smaller one leaves room for tooth marks and runout",
 );
 const LARGEST_STEP_OVER: ProblemFigure = figure(
     "largest_step_over_mm",
-    "the largest step-over at which the passes, and the tooth marks if there is a feed, meet; on a curved surface up to 1 % less; absent if it is the feed that has no limit",
+    "the largest step-over at which the passes, and the tooth marks if there is a feed, meet; if the marks meet at no step-over, the largest one without them; on a curved surface up to 1 % less",
+);
+const LARGEST_OVERLAP: ProblemFigure = figure(
+    LARGEST_STEP_OVER.name,
+    "the largest step-over at which the passes, and the tooth marks if there is a feed, overlap; absent if it is the feed that has no limit",
 );
 const SMALLEST_RADIUS: ProblemFigure = figure(
     "smallest_radius_mm",
@@ -55,7 +59,7 @@ impl NoAnswerCode {
         match self {
             Self::ToleranceExceeded => (&[STEP_OVER_HEIGHT, MAX_STEP_OVER], &[]),
             Self::PassesDoNotOverlap => (&[LARGEST_STEP_OVER], &[]),
-            Self::ToleranceSetsNoLimit => (&[], &[LARGEST_STEP_OVER]),
+            Self::ToleranceSetsNoLimit => (&[], &[LARGEST_OVERLAP]),
             Self::Gouging => (&[], &[SMALLEST_RADIUS]),
             Self::ToleranceExceededByFeed => (&[FEED_HEIGHT], &[]),
             Self::FlatFloor
@@ -85,7 +89,7 @@ impl NoAnswerCode {
             NoAnswer::FeedUsesUpTolerance { feed_height } => (Self::ToleranceExceededByFeed, one(FEED_HEIGHT, feed_height)),
             NoAnswer::RunoutUsesUpTolerance => (Self::ToleranceExceededByRunout, Vec::new()),
             NoAnswer::ToleranceLimitsNoStepOver { largest_step_over } => {
-                (Self::ToleranceSetsNoLimit, one(LARGEST_STEP_OVER, largest_step_over))
+                (Self::ToleranceSetsNoLimit, one(LARGEST_OVERLAP, largest_step_over))
             }
             NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: _ } => (Self::ToleranceSetsNoLimit, Vec::new()),
         }

@@ -5,7 +5,7 @@ use crate::planning::zigzag::NotRankedReason;
 
 codes! {
     /// Why a cutter is not ranked, as a code for programs; docs/codes.md lists meanings and remedies.
-    NotRankedCode {
+    NotRankedCode: none {
         CannotReach = "cannot-reach": "The cutter leaves too much of the surface uncut", "Use a smaller cutter, select the facets that it reaches, or raise max_uncut_share.";
         NoStepOver = "no-step-over": "No step-over keeps the scallop height", "Allow more height, or use another cutter.";
         TooManyPasses = "too-many-passes": "The plan would have too many passes or runs", "Allow more height, select a part of the surface, or use a larger cutter.";

@@ -19,7 +19,7 @@ codes! {
         NoCutterFits = "no-cutter-fits" UNPROCESSABLE_ENTITY: "No cutter can be ranked", "See not_ranked for each cutter's reason; send other cutters.";
         Internal = "internal" INTERNAL_SERVER_ERROR: "The server failed", "Report the request id to the server's operator.";
         Overloaded = "overloaded" SERVICE_UNAVAILABLE: "The server is busy", "Try again after the time in the header Retry-After.";
-        Failed = "failed": "The request failed", "See the HTTP status.";
+        Failed = "failed" none: "The request failed", "See the HTTP status.";
     }
 }
 

@@ -1,6 +1,6 @@
 //! The table of all codes, `docs/codes.md`, checked against the enumerations.
 
-use super::{Code, ConfidenceCode, Entry, FileFault, NoAnswerCode, NotRankedCode, RequestFault, ServiceProblem, WarningCode};
+use super::{Code, ConfidenceCode, Entry, Family, FileFault, NoAnswerCode, NotRankedCode, RequestFault, ServiceProblem, WarningCode};
 use axum::http::StatusCode;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -11,18 +11,18 @@ Programs can rely on these names: they never change. Texts (`title`, `detail`) a
 from the enumerations in `src/http/codes`: `SCALLOPD_WRITE_DOCS=1 cargo test --lib codes::table` writes it.
 ";
 
-/// The table of a family. `status` is that of problems with a code that has none of its own; `None` for a family without
-/// problems.
-fn table<C: Code>(heading: &str, about: &str, status: Option<&str>) -> String {
+/// The table of a family, with a column of statuses if its codes are types of problems.
+fn table<C: Family>(heading: &str, about: &str) -> String {
     let mut text = format!("\n## {heading}\n\n{about}\n\n");
-    text += if status.is_some() {
+    let has_statuses = C::ALL.iter().any(|code| code.entry().status.is_some());
+    text += if has_statuses {
         "| code | status | meaning | remedy |\n|---|---|---|---|\n"
     } else {
         "| code | meaning | remedy |\n|---|---|---|\n"
     };
     for code in C::ALL {
-        let Entry { name, meaning, remedy, status: own } = code.entry();
-        let status = status.map_or(String::new(), |status| format!(" {} |", own.as_ref().map_or(status, StatusCode::as_str)));
+        let Entry { name, meaning, remedy, status } = code.entry();
+        let status = if has_statuses { format!(" {} |", status.as_ref().map_or("any", StatusCode::as_str)) } else { String::new() };
         let _ = writeln!(text, "| `{name}` |{status} {meaning} | {remedy} |");
     }
     text
@@ -31,25 +31,22 @@ fn table<C: Code>(heading: &str, about: &str, status: Option<&str>) -> String {
 fn all_tables() -> String {
     [
         INTRODUCTION.to_owned(),
-        table::<ServiceProblem>("Problems", "The `type` of a problem (RFC 9457) that concerns a request as a whole.", Some("any")),
+        table::<ServiceProblem>("Problems", "The `type` of a problem (RFC 9457) that concerns a request as a whole."),
         table::<FileFault>(
             "Files",
             "Faults of an uploaded file: the `code` in `errors`, and the `type` of the problem if it is the only fault.",
-            Some("any"),
         ),
         table::<NoAnswerCode>(
             "Reasons without an answer",
             "The `code` in `errors` or, in a batch, in `failures`; the `type` of the problem if it is the only fault.",
-            Some("422"),
         ),
-        table::<RequestFault>("Faults", "The `code` in `errors` of a problem, and in `failures` of a batch.", None),
-        table::<WarningCode>("Warnings", "The `code` in `warnings` of an answer.", None),
+        table::<RequestFault>("Faults", "The `code` in `errors` of a problem, and in `failures` of a batch."),
+        table::<WarningCode>("Warnings", "The `code` in `warnings` of an answer."),
         table::<NotRankedCode>(
             "Cutters that are not ranked",
             "The `code` in `not_ranked` of a recommendation, and of the problem `no-cutter-fits`.",
-            None,
         ),
-        table::<ConfidenceCode>("Confidence", "The `code` in `confidence.reasons` of a recommendation.", None),
+        table::<ConfidenceCode>("Confidence", "The `code` in `confidence.reasons` of a recommendation."),
     ]
     .concat()
 }

@@ -4,14 +4,14 @@ use super::codes;
 
 codes! {
     /// The warning, as a code for programs; docs/codes.md lists meanings and remedies.
-    WarningCode {
+    WarningCode: none {
         RunoutNotSmall = "runout-not-small": "Runout is not small compared with the feed per tooth", "Measure the runout, or raise the feed per tooth; feed_height_mm may be too low.";
         StepOverWide = "step-over-wide": "The step-over is wide compared with the model's circle", "Use model \"envelope\".";
         FeedPerToothLong = "feed-per-tooth-long": "The feed per tooth is long compared with the model's circle", "Use model \"envelope\".";
         EffectiveRadiusBeyondCutter = "effective-radius-beyond-cutter": "The model's circle is wider than the cutter", "Use model \"envelope\": the scallop can be far higher.";
         SharpMarks = "sharp-marks": "A flat-end cutter leaves sharp marks", "Use a cutter with a small corner radius.";
-        CurvatureApproximate = "curvature-approximate": "The surface's normal turns so much between the marks that the height can be exceeded", "Keep a margin to the tolerance.";
-        NearGouging = "near-gouging": "The cutter nearly fills the hollow, so that the surface's second order is not accurate enough", "Use a smaller cutter, or keep a margin to the tolerance.";
+        CurvatureApproximate = "curvature-approximate": "The surface's normal turns so much between the marks that the actual height can be larger than stated", "Keep a margin to the tolerance.";
+        NearGouging = "near-gouging": "The cutter's radius is nearly that of the hollow; a second-order surface is then not accurate enough", "Use a smaller cutter, or keep a margin to the tolerance.";
         OutsideAnalyticRange = "outside-analytic-range": "The analytic height is far below what the cutter leaves", "Use model \"envelope\".";
         StepOverExceedsCutter = "step-over-exceeds-cutter": "The step-over is wider than the cutter", "Use model \"envelope\".";
         DegenerateFacets = "degenerate-facets": "Facets without area were left out", "None is needed; many of them indicate a damaged mesh.";
@@ -25,7 +25,7 @@ codes! {
         CrossedPolygons = "crossed-polygons": "Polygons cross themselves", "Check the mesh; their area is uncertain.";
         FacetsMerged = "facets-merged": "Facets were merged on a raster", "Send fewer facets; details smaller than a raster cell are lost.";
         FlutesTooShort = "flutes-too-short": "The flutes are shorter than the surface is deep", "Check the clearance of shank and holder.";
-        OtherTools = "other-tools": "Some tools of a library are not finishing cutters", "None is needed; the detail counts them by type, and tool files that no .fctl list of their zip names.";
+        OtherTools = "other-tools": "Some tools of a library are not finishing cutters", "None is needed. The detail counts them by type; it also counts tool files that no .fctl list names.";
         FaultyTools = "faulty-tools": "Finishing cutters of a library cannot be used", "Correct the tools that not_ranked names with faulty-tool; one of them may be the fastest.";
         PassesLeftOut = "passes-left-out": "The passes have too many points for an answer", "Select a part of the surface, or allow more height.";
         SpindleSpeedLimited = "spindle-speed-limited": "A spindle speed is over the machine's largest, which is used instead", "Check the speed and the feed that follows from it.";

@@ -27,7 +27,7 @@ answer! {
         cutter: ComparedCutter = candidate.cutter.into(),
         /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180): the steepest direction for the
         /// toroidal cutter, the principal direction for the ball-end cutter. Absent if the surface has no such
-        /// direction, or its place in XY is not known.
+        /// direction, or if the rectangle's orientation in XY is not known.
         direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 0.0] = candidate.direction.map(line_degrees),
         /// The distance of the passes along the surface.
         step_over_mm: f64 [minimum = 0] = candidate.zigzag.step_over.mm(),
@@ -44,7 +44,7 @@ answer! {
         direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 90.0] = candidate.direction.map(line_degrees),
         /// The distance of the passes along the surface.
         step_over_mm: f64 [minimum = 0] = candidate.zigzag.step_over.mm(),
-        /// The number of passes: the side across them over the step-over, the model's quotient, not rounded.
+        /// The number of passes: the length of the side across them divided by the step-over, not rounded.
         passes: f64 [minimum = 0] = candidate.zigzag.passes,
         /// The length of all passes and the steps between them.
         path_length_mm: f64 [minimum = 0] = candidate.zigzag.path_length.mm(),

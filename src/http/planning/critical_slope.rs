@@ -42,44 +42,22 @@ members! {
 
 answer! {
     /// The slope at which both cutters finish an inclined rectangle in the same time.
-    pub(crate) struct CriticalSlopeAnswer {
+    pub(crate) struct CriticalSlopeAnswer of (critical: CriticalSlope, plan: Option<&Plan>, job: &Job) {
         /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 if the toroidal cutter is faster
         /// on every slope, 0 if the ball-end cutter is; `always_faster` then names that cutter.
-        critical_slope_deg: f64 [minimum = 0, maximum = 90],
+        critical_slope_deg: f64 [minimum = 0, maximum = 90] = critical.angle().degrees(),
         /// The cutter that is faster on every slope; absent if there is a critical slope.
-        always_faster?: ComparedCutter,
+        always_faster?: ComparedCutter = always_faster(critical),
         /// mu_c, below which the toroidal cutter is faster at `slope_deg` on a rectangle of this size; 1 if the ball-end
         /// cutter is faster even on a square. Only with `slope_deg`.
-        critical_form_factor?: f64 [minimum = 1],
+        critical_form_factor?: f64 [minimum = 1] = plan.map(|plan| plan.critical_form_factor.form_factor().ratio()),
         /// The faster cutter at `slope_deg`. Only with `slope_deg`.
-        recommended?: Recommended,
+        recommended?: Recommended = plan.map(|plan| Recommended::of(plan.recommended())),
         /// Both cutters at `slope_deg`, the toroidal cutter first. Only with `slope_deg`.
-        candidates?: Vec<CandidateAnswer> [min_items = 2, max_items = 2],
+        candidates?: Vec<CandidateAnswer> [min_items = 2, max_items = 2]
+            = plan.map(|plan| [&plan.toroidal, &plan.ball_end].map(CandidateAnswer::of).into()),
         /// Facts that need attention.
-        warnings: Vec<Warning>,
-    }
-}
-
-impl CriticalSlopeAnswer {
-    fn without_slope(critical: CriticalSlope) -> Self {
-        Self {
-            critical_slope_deg: critical.angle().degrees(),
-            always_faster: always_faster(critical),
-            critical_form_factor: None,
-            recommended: None,
-            candidates: None,
-            warnings: Vec::new(),
-        }
-    }
-
-    fn at_slope(plan: &Plan, job: &Job) -> Self {
-        Self {
-            critical_form_factor: Some(plan.critical_form_factor.form_factor().ratio()),
-            recommended: Some(Recommended::of(plan.recommended())),
-            candidates: Some([&plan.toroidal, &plan.ball_end].map(CandidateAnswer::of).into()),
-            warnings: wide_step_over(plan, job).into_iter().collect(),
-            ..Self::without_slope(plan.critical_slope)
-        }
+        warnings: Vec<Warning> = plan.and_then(|plan| wide_step_over(plan, job)).into_iter().collect(),
     }
 }
 
@@ -111,7 +89,7 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 #[utoipa::path(
     post, path = "/v1/critical-slope", tag = "planning", operation_id = "critical_slope",
     request_body = CriticalSlopeRequest,
-    responses((status = 200, description = "The critical slope, and with a slope both candidates", body = CriticalSlopeAnswer), Problems),
+    responses((status = 200, description = "The critical slope; if slope_deg is given, also both candidates", body = CriticalSlopeAnswer), Problems),
 )]
 pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, Problem> {
     body.read(|object, faults| {
@@ -120,8 +98,8 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, 
         let SlopeMembers { slope } = SlopeMembers::read(object, faults);
         let (job, rectangle) = (job?, rectangle?);
         let answer = match slope? {
-            None => critical_slope(&job, rectangle).map(CriticalSlopeAnswer::without_slope),
-            Some(slope) => plan(&job, rectangle, slope).map(|plan| CriticalSlopeAnswer::at_slope(&plan, &job)),
+            None => critical_slope(&job, rectangle).map(|critical| CriticalSlopeAnswer::of(critical, None, &job)),
+            Some(slope) => plan(&job, rectangle, slope).map(|plan| CriticalSlopeAnswer::of(plan.critical_slope, Some(&plan), &job)),
         };
         answer.map_err(|cause| {
             let detail = format_args!("the toroidal cutter up the slope: {cause}");

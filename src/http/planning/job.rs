@@ -29,8 +29,7 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<J
 
 fn fault(error: JobError, path: &JsonPath<'_>) -> Fault {
     match error {
-        JobError::NotToroidal => Fault::new(&path.member(TOROIDAL.name), RequestFault::NotToroidal, error),
-        JobError::NotBallEnd => Fault::new(&path.member(BALL_END.name), RequestFault::NotBallEnd, error),
+        JobError::NotToroidal | JobError::NotBallEnd => unreachable!("each member is read as a cutter of its kind"),
         JobError::ScallopTooHigh { .. } => Fault::new(&path.member(SCALLOP_HEIGHT.name), RequestFault::ScallopTooHigh, error),
         JobError::BallEnd(cause) => Fault::no_answer(cause, &path.member(SCALLOP_HEIGHT.name), error),
     }

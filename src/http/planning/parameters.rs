@@ -15,15 +15,14 @@ use crate::tooling::FaultyTool;
 use serde::Serialize;
 use utoipa::ToSchema;
 
+// The member `method` describes the two.
 /// The method of planning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 #[schema(as = MethodUsed)]
 pub(super) enum Method {
-    /// Zigzag passes simulated on the surface.
     #[default]
     Surface,
-    /// The published method, by an inclined rectangle equivalent to the surface.
     Rectangle,
 }
 
@@ -66,11 +65,11 @@ members! {
             "the directions of passes to try, in method surface; absent = all"),
         unit: optional UNIT: Choice<Unit>,
         facing: optional FACING: Choice<Facing> = ("facing", Choice { name: Some("Facing"), words: &[("up", Facing::Up), ("any", Facing::Any)] },
-            "the facets that determine the shape: up (default), those whose normal points up, which a cutter reaches from above; any, all of them. Points and patches have no sides"),
+            "which facets determine the shape: up (default), those whose normal points up; any, all of them; no effect on points and patches"),
         max_uncut_share: optional MAX_UNCUT_SHARE: Quantity<f64> = ("max_uncut_share", Quantity::new(share, 0.005),
             "the largest share of the area that a ranked cutter may leave uncut; absent = 0.005"),
         select: optional SELECT: SelectKind = ("select", SelectKind,
-            "which facets are machined: those that meet all stated conditions; the cutter must not gouge the other facets, which still hide those below them"),
+            "only facets that meet all stated conditions are machined; the cutter must not gouge the others, which still hide what is below them"),
         include: optional INCLUDE: List<Choice<Part>> = ("include",
             List { item: Choice { name: None, words: &[("map", Part::Map), ("passes", Part::Passes)] }, about_item: "a part of the answer", fewest: 0, most: 2 },
             "optional parts of the answer, in method surface: map, a raster for drawing; passes, the recommended plan point by point"),

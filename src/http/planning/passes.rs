@@ -17,8 +17,8 @@ answer! {
     /// The passes of the recommended plan: columns over all points, in cutting order.
     #[schema(as = Passes)]
     pub(crate) struct PassesAnswer of (passes: zigzag::Passes) {
-        /// The index in the columns at which each run begins; between two runs the cutter moves on a straight link. Where a link
-        /// on the surface would cut into it, the run before it ends with raised points along the link.
+        /// The index in the columns at which each run begins. Between two runs the cutter moves on a straight link. If a
+        /// link on the surface would cut into it, the run before the link ends with raised points along it.
         run_starts: Vec<usize> = passes.run_starts,
         /// The point at which the cutter touches the surface, or, where a pass continues beside a narrow face, the face's
         /// extended plane; null if the tip is raised because the cutter would gouge the surface elsewhere, and on the way over
@@ -38,11 +38,11 @@ answer! {
         scallop_height_mm: Vec<Option<f64>> = column(&passes.points, |point| point.scallop_height.map(Length::mm)),
         /// The curvature of the surface.
         surface_curvature: CurvatureColumns = CurvatureColumns::of(&passes.points),
-        /// The time of all runs and links along the path of the tips. The plan's `machining_time_s` is that of the
-        /// contacts, whose path is shorter if the contact moves across the cutter's bottom or tips are raised.
+        /// The time of all runs and links along the path of the tips. The plan's `machining_time_s` is computed along the
+        /// path of the contacts. That path is shorter if the contact moves across the cutter's bottom or tips are raised.
         machining_time_s: f64 [minimum = 0] = passes.time.seconds(),
-        /// The largest distance of the omitted contacts, and along the normal of the omitted tips, from the lines between the given
-        /// points.
+        /// The largest distance of omitted points from the lines between the given ones; for tips, the distance along the
+        /// normal.
         chord_tolerance_mm: f64 [minimum = 0] = passes.chord_tolerance.mm(),
     }
 

@@ -211,7 +211,7 @@ impl Task {
             return Ok((&confidence).into());
         };
         let figures = simulation.ranking.surface;
-        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: machined.machined_pieces, simulated: None };
+        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: machined.machined_pieces };
         let simulated = |candidate: &RankedCandidate| {
             let plans = &simulation.ranking.plans;
             plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter).map(|plan| (candidate.time(), plan.time))

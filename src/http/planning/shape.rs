@@ -19,7 +19,7 @@ answer! {
         facets: u64 = facets(shape, machined),
         /// The angle between the best-fit plane and the horizontal.
         slope_deg: f64 [minimum = 0, maximum = 90] = shape.slope.degrees(),
-        /// The mean of the slopes of all facets or samples. Only if facets or a patch have slopes.
+        /// The mean of the slopes of all facets or samples. Absent for points.
         mean_slope_deg?: f64 [minimum = 0, maximum = 90] = shape.mean_slope.map(Angle::degrees),
         /// mu, the long side over the short side of the equivalent rectangle, which has the same variances.
         form_factor: f64 [minimum = 1] = shape.form_factor.ratio(),

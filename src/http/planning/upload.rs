@@ -57,7 +57,7 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
         ObjectSchema::new(about, components).with::<ParameterMembers>().build()
     });
     let library = binary().description(Some(
-        "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them, of which those that its .fctl lists name are read) or CSV; its ball-end, bull-nose and flat cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
+        "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them; if the zip has .fctl lists, only the tools named there are read) or CSV; its ball-end, bull-nose and flat cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
     ));
     let libraries = ArrayBuilder::new().items(library).description(Some("tool libraries, a part for each"));
     let form = ObjectSchema::new("A surface file, the parameters and tool libraries, in any order", components);

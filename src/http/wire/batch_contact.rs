@@ -17,10 +17,8 @@ pub(crate) struct BatchContact {
 impl BatchContact {
     /// Reads a contact whose own parameters override `defaults`.
     pub(crate) fn read(raw: JsonText<'_>, defaults: &ContactParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        match Self::read_plain(&mut PlainJson::new(raw.get().as_bytes()), defaults) {
-            Some(plain) => Ok(plain),
-            None => Self::read_faulty(raw, defaults, path, faults),
-        }
+        let plain = Self::read_plain(&mut PlainJson::new(raw.get().as_bytes()), defaults);
+        plain.map_or_else(|| Self::read_faulty(raw, defaults, path, faults), Ok)
     }
 
     /// Reads the next contact of `json`, whose syntax has not been checked. The outer error means that no JSON value

@@ -47,7 +47,7 @@ members! {
         max_feed_per_tooth: optional MAX_FEED_PER_TOOTH: Quantity<Length> = ("max_feed_per_tooth_mm", Quantity::length(0.12),
             "the manufacturer's limit on the feed per tooth; used if teeth and spindle_speed_rpm are given"),
         flute_length: optional FLUTE_LENGTH: Quantity<Length> = ("flute_length_mm", Quantity::length(22.0),
-            "the length of the flutes; a surface that is deeper raises a warning"),
+            "the length of the flutes; the answer has a warning if the surface is deeper than this"),
     }
 }
 

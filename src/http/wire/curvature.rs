@@ -20,7 +20,7 @@ members! {
     /// The members for the curvature, of which at most one may be given.
     pub(super) plain struct CurvatureMembers / CurvatureSlots {
         radius: optional SURFACE_RADIUS: Quantity<SurfaceCurvature> = ("surface_radius_mm", RADIUS,
-            "the surface's radius of curvature across the feed, along which it is straight: positive convex, negative concave, absent = plane; at least 1e-6 in magnitude; or give surface_curvature"),
+            "the surface's radius of curvature across the feed: positive convex, negative concave, at least 1e-6 in magnitude, absent = plane; along the feed the surface is straight; or give surface_curvature"),
         curvature: optional SURFACE_CURVATURE: CurvatureKind = ("surface_curvature", CurvatureKind,
             "the surface's curvature in every direction; absent = plane; or give surface_radius_mm"),
     }

@@ -50,7 +50,7 @@ members! {
     /// The optional members of cutters of all kinds.
     pub(crate) struct AnyMembers {
         teeth: optional TEETH: Whole = ("teeth", Whole { minimum: 1, maximum: 100, example: 4 },
-            "number of teeth z (ISO 13399: ZEFP); required for feed rates; with runout in model envelope, an absent number counts as 2, and the marks of one tooth are all alike"),
+            "number of teeth z (ISO 13399: ZEFP); required for feed rates; with runout in model envelope, absent counts as 2, and with 1 all marks are alike"),
     }
 }
 

@@ -1,7 +1,7 @@
 //! The figures of the calculations' answers. A table has a row for each, with name, description and getter; single
 //! answers, columns of batches and their schemas are built from it.
 
-use super::summary::Check;
+use super::check::Check;
 use crate::http::reading::Components;
 use crate::milling::{Contact, EvaluatedPass, NoAnswer, ScallopHeight};
 use crate::quantity::Length;
@@ -221,24 +221,24 @@ impl Figure {
 
     /// The schema of the figure in a single answer.
     pub(crate) fn schema(&self, components: &mut Components) -> RefOr<Schema> {
-        let about = match self.presence {
-            Presence::Always => self.about.to_owned(),
-            Presence::Null(place) => format!("{}; null {place}", self.about),
-            Presence::Absent(place) => format!("{}; absent {place}", self.about),
-            Presence::Only(place) => format!("{}; only {place}", self.about),
-        };
         let is_nullable = matches!(self.presence, Presence::Null(_));
-        self.value_schema(&about, is_nullable, components)
+        self.value_schema(&self.about_with("null", "absent"), is_nullable, components)
     }
 
     /// The schema of the figure's column.
     pub(crate) fn column_schema(&self, components: &mut Components) -> RefOr<Schema> {
-        let about = match self.presence {
-            Presence::Always => self.about.to_owned(),
-            Presence::Null(place) | Presence::Absent(place) => format!("{}; null also {place}", self.about),
-            Presence::Only(place) => format!("{}; only {place}", self.about),
-        };
+        let about = self.about_with("null also", "null also");
         ArrayBuilder::new().items(self.value_schema("", true, components)).description(Some(about)).into()
+    }
+
+    /// The description, with the words for a figure that is null or absent before the text that states when.
+    fn about_with(&self, null: &str, absent: &str) -> String {
+        match self.presence {
+            Presence::Always => self.about.to_owned(),
+            Presence::Null(place) => format!("{}; {null} {place}", self.about),
+            Presence::Absent(place) => format!("{}; {absent} {place}", self.about),
+            Presence::Only(place) => format!("{}; only {place}", self.about),
+        }
     }
 
     fn value_schema(&self, about: &str, is_nullable: bool, components: &mut Components) -> RefOr<Schema> {

@@ -108,6 +108,7 @@ pub(super) fn point_schema() -> RefOr<Schema> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::http::codes::Code;
 
     fn read(json: &str) -> (Vec<[f64; 3]>, Vec<(String, &'static str)>) {
         let (mut points, mut faults) = (Vec::new(), Faults::default());

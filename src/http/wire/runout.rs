@@ -11,7 +11,7 @@ members! {
         radial: optional RADIAL: Quantity<f64> = ("radial_mm", Quantity::new(|mm| Runout::NONE.with_radial_mm(mm).map(|_| mm), 0.005),
             "radial runout: how much further one tooth protrudes than the next; absent = 0"),
         axial: optional AXIAL: Quantity<f64> = ("axial_mm", Quantity::new(|mm| Runout::NONE.with_axial_mm(mm).map(|_| mm), 0.002),
-            "axial runout: how much lower one tooth is than the next; if the feed climbs, a positive value shortens the distance between tooth marks and a negative one lengthens it, and a feed down the slope counts as one up it; absent = 0"),
+            "axial runout: how much lower one tooth is than the next; if the feed climbs, a positive value shortens the distance between tooth marks and a negative one lengthens it; a feed down the slope is treated like a feed up the slope; absent = 0"),
     }
 }
 

@@ -48,7 +48,7 @@ impl SelectionMembers {
 
 members! {
     /// The corners of a box.
-    pub(crate) struct Corners for BoxKind ("Box", "A box by two corners") -> [[f64; 3]; 2] {
+    pub(crate) struct Corners for BoxKind ("Box", "A box, given by two opposite corners") -> [[f64; 3]; 2] {
         min: required MIN: Corner = ("min", Corner, "the smallest x, y and z"),
         max: required MAX: Corner = ("max", Corner, "the largest x, y and z"),
     }

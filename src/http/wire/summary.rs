@@ -1,45 +1,7 @@
-//! The parts of an answer other than its figures: the check against the envelope, and a batch's failures, counts and
-//! extremes.
+//! The summary of a batch: counts, and the extremes of its columns.
 
 use super::answer;
-use crate::http::codes::FaultCode;
-use crate::http::reading::Fault;
 use serde::{Serialize, Serializer};
-
-answer! {
-    /// The comparison of the analytic height with the envelope's.
-    #[derive(Clone, Copy)]
-    pub(crate) struct Check {
-        /// The height by the cutter's exact shape (model `envelope`).
-        pub(crate) envelope_scallop_height_mm: f64 [minimum = 0],
-        /// (height - envelope) / envelope: negative if the model's height is less than the cutter leaves. Absent if the
-        /// envelope's height is 0.
-        pub(crate) deviation?: f64 [minimum = -1],
-    }
-
-    /// A contact of a batch that has no answer.
-    #[derive(Clone)]
-    pub(crate) struct Failure {
-        /// The index of the contact, from 0.
-        pub(crate) index: usize,
-        /// The location of the fault: a JSON pointer (RFC 6901) into the request.
-        pub(crate) pointer: String [example = "/contacts/17/slope_deg"],
-        pub(crate) code: FaultCode,
-        /// What is wrong and what is expected, for people; further faults of the contact follow the first, each after its
-        /// pointer.
-        pub(crate) detail: String,
-    }
-}
-
-impl Failure {
-    /// The failure of a contact with these faults; `None` without faults.
-    pub(crate) fn new(index: usize, faults: &[Fault]) -> Option<Self> {
-        let (first, further) = faults.split_first()?;
-        let further = further.iter().map(|fault| format!("; {}: {}", fault.pointer, fault.detail));
-        let detail = std::iter::once(first.detail.clone()).chain(further).collect();
-        Some(Self { index, pointer: first.pointer.clone(), code: first.code, detail })
-    }
-}
 
 answer! {
     /// A contact with an extreme figure.

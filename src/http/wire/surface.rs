@@ -22,7 +22,7 @@ const GRID_POINTS: Member<Points> = Member::new(
     "the points [x, y, z], rows times columns of them: all of the first row, then all of the second, and so on",
     Points,
 );
-const MESH: Member<MeshKind> = Member::new("mesh", "points, and triangles with them as corners", MeshKind);
+const MESH: Member<MeshKind> = Member::new("mesh", "points, and triangles given by indices of points", MeshKind);
 const MESH_POINTS: Member<Points> = Member::new("points", "the points [x, y, z]", Points);
 const TRIANGLES: Member<Triangles> =
     Member::new("triangles", "three indices of points for each triangle, from 0, counter-clockwise seen from outside the part", Triangles);

@@ -29,7 +29,7 @@ class Cutter(_CutterShape, total=False):
 
 
 class Candidate(Cutter, total=False):
-    """A cutter that a recommendation compares. With `teeth` and `spindle_speed_rpm` the tolerance covers the feed marks too."""
+    """A cutter that a recommendation compares. With `teeth` and `spindle_speed_rpm` the tolerance covers the tooth marks too."""
 
     name: str
     spindle_speed_rpm: float

@@ -1,4 +1,5 @@
-//! The record of a request body's progress, which the log, the minimum rate and the size limit share.
+//! The record of a request body's progress, which the log, the minimum rate and the time limit share. The size
+//! limit uses only its fault and its memory budget.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
