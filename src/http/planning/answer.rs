@@ -85,7 +85,8 @@ answer! {
         direction_deg?: f64 [minimum = 0, exclusive_maximum = 180],
         /// The time of all passes and links, stops included.
         pub(super) machining_time_s: f64 [minimum = 0],
-        /// The number of planes that contain the passes; in method rectangle the model's quotient, not rounded.
+        /// The number of planes that contain the passes; in method rectangle the quotient of length and step-over, not
+        /// rounded.
         passes: f64 [minimum = 0],
         /// The length of all passes and links.
         path_length_mm: f64 [minimum = 0],

@@ -25,10 +25,6 @@ answer! {
     pub(super) struct Recommended of (candidate: &Candidate) {
         /// The cutter.
         cutter: ComparedCutter = candidate.cutter.into(),
-        /// The line of the passes seen from above, from +X counter-clockwise, in [0, 180): the steepest direction for the
-        /// toroidal cutter, the principal direction for the ball-end cutter. Absent if the surface has no such
-        /// direction, or if the rectangle's orientation in XY is not known.
-        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 0.0] = candidate.direction.map(line_degrees),
         /// The distance of the passes along the surface.
         step_over_mm: f64 [minimum = 0] = candidate.zigzag.step_over.mm(),
         /// The time of the zigzag, stops at all corners included.
@@ -40,8 +36,6 @@ answer! {
     pub(super) struct CandidateAnswer of (candidate: &Candidate) {
         /// The cutter.
         cutter: ComparedCutter = candidate.cutter.into(),
-        /// The line of the passes seen from above, as in `recommended`.
-        direction_deg?: f64 [minimum = 0, exclusive_maximum = 180, example = 90.0] = candidate.direction.map(line_degrees),
         /// The distance of the passes along the surface.
         step_over_mm: f64 [minimum = 0] = candidate.zigzag.step_over.mm(),
         /// The number of passes: the length of the side across them divided by the step-over, not rounded.
