@@ -1,22 +1,26 @@
 //! Fuzz target: JSON requests to every operation that accepts them. Every answer must be JSON without a status of 500.
+//! The first line of an input is the path; the rest is the body.
 
 #![no_main]
 
 mod service;
 
-const PATHS: [&str; 8] = [
-    "/v1/scallop-height",
-    "/v1/max-feed",
-    "/v1/step-over",
-    "/v1/scallop-height/batch",
-    "/v1/max-feed/batch",
-    "/v1/step-over/batch",
-    "/v1/critical-slope",
-    "/v1/cutter-recommendation",
-];
+use std::sync::LazyLock;
+
+use serde_json::Value;
+
+/// The paths of the OpenAPI document that take a JSON body.
+static PATHS: LazyLock<Vec<String>> = LazyLock::new(|| {
+    let document: Value = serde_json::from_str(&scallopd::http::openapi_json()).expect("the document is JSON");
+    let paths = document["paths"].as_object().expect("the document has paths");
+    let takes_json = |item: &Value| item["post"]["requestBody"]["content"]["application/json"].is_object();
+    paths.iter().filter(|(_, item)| takes_json(item)).map(|(path, _)| path.clone()).collect()
+});
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    if let Some((first, body)) = bytes.split_first() {
-        service::post(PATHS[usize::from(*first) % PATHS.len()], "application/json", body);
-    }
+    let Some(end) = bytes.iter().position(|byte| *byte == b'\n') else { return };
+    let (path, body) = (&bytes[..end], &bytes[end + 1..]);
+    // A line that is no path stands for the path of its length's number, so that mutations of it reach other operations.
+    let path = PATHS.iter().find(|known| known.as_bytes() == path).unwrap_or(&PATHS[end % PATHS.len()]);
+    service::post(path, "application/json", body);
 });

@@ -7,6 +7,7 @@ mod calculation;
 mod codes;
 mod collected_body;
 mod document;
+mod examples;
 pub mod metrics;
 mod middleware;
 mod multipart;
@@ -35,30 +36,13 @@ use axum::http::StatusCode;
 use utoipa_axum::routes;
 
 use crate::settings::HttpSettings;
-use calculation::cutting_parameters::FastestParameters;
-use calculation::max_feed::MaxFeed;
-use calculation::operations;
-use calculation::scallop_height::ScallopHeight;
-use calculation::step_over::MaxStepOver;
-use planning::{critical_slope, machines, recommendation, upload};
 
 /// All routes, each with its class and its documentation.
 #[must_use]
 pub fn routes() -> Routes {
-    use RouteClass::{Batch, Single, Upload};
-    Routes::new()
-        .documented(Single, operations::single::<ScallopHeight>())
-        .documented(Batch, operations::batch::<ScallopHeight>())
-        .documented(Single, operations::single::<MaxFeed>())
-        .documented(Batch, operations::batch::<MaxFeed>())
-        .documented(Single, operations::single::<MaxStepOver>())
-        .documented(Batch, operations::batch::<MaxStepOver>())
-        .documented(Single, operations::single::<FastestParameters>())
-        .documented(Batch, operations::batch::<FastestParameters>())
-        .documented(Single, routes!(critical_slope::answer))
-        .documented(Single, routes!(machines::list))
-        .documented(Batch, routes!(recommendation::answer))
-        .documented(Upload, routes!(upload::answer))
+    use RouteClass::Single;
+    calculation::routes()
+        .merge(planning::routes())
         .merge(health_routes())
         .documented(Single, routes!(pages::openapi))
         .documented(Single, routes!(pages::openapi_3_0))
@@ -69,17 +53,13 @@ pub fn routes() -> Routes {
 /// The OpenAPI document, as in `openapi/openapi.json`.
 #[must_use]
 pub fn openapi_json() -> String {
-    format!("{:#}\n", described())
+    format!("{:#}\n", document::of(routes()))
 }
 
 /// The OpenAPI document in version 3.0.3, as `/openapi-3.0.json` serves it.
 #[must_use]
 pub fn openapi_3_0_json() -> String {
-    format!("{:#}\n", openapi_3_0::converted(described()))
-}
-
-fn described() -> serde_json::Value {
-    document::with_examples(&routes().openapi(document::outline()))
+    format!("{:#}\n", openapi_3_0::converted(document::of(routes())))
 }
 
 /// The routes without `/metrics`, for a service with a separate address for probes and metrics.

@@ -226,7 +226,7 @@ mod tests {
 
     /// The document of the service in both versions.
     fn documents() -> (Value, Value) {
-        let document = crate::http::described();
+        let document = crate::http::document::of(crate::http::routes());
         (document.clone(), converted(document))
     }
 

@@ -1,4 +1,4 @@
-//! Routes and their classes. The call that adds a route declares the limits of its requests.
+//! Routes, their classes and their documentation. The call that adds a route declares the limits of its requests.
 
 use axum::Router;
 use axum::routing::MethodRouter;
@@ -44,7 +44,11 @@ impl RouteClass {
 
 /// A set of routes, each with its class. The middleware accepts only this type, so every route has a class.
 #[derive(Default)]
-pub struct Routes(Vec<(RouteClass, OpenApiRouter<AppState>)>);
+pub struct Routes {
+    routers: Vec<(RouteClass, OpenApiRouter<AppState>)>,
+    /// The files with examples of their operations.
+    examples: Vec<&'static str>,
+}
 
 impl Routes {
     /// An empty set.
@@ -58,6 +62,12 @@ impl Routes {
     #[must_use]
     pub fn documented(self, class: RouteClass, operations: UtoipaMethodRouter<AppState>) -> Self {
         self.add(class, OpenApiRouter::new().routes(operations))
+    }
+
+    /// Adds examples to the OpenAPI document: a file that the macro `examples!` embeds.
+    pub(crate) fn with_examples(mut self, file: &'static str) -> Self {
+        self.examples.push(file);
+        self
     }
 
     /// Adds a path that the OpenAPI document leaves out.
@@ -75,28 +85,30 @@ impl Routes {
     /// Adds the routes of another set.
     #[must_use]
     pub fn merge(mut self, other: Self) -> Self {
-        self.0.extend(other.0);
+        self.routers.extend(other.routers);
+        self.examples.extend(other.examples);
         self
     }
 
     /// The same set without the operations of one path.
     pub(crate) fn without(mut self, path: &str) -> Self {
-        self.0.retain(|(_, router)| !router.get_openapi().paths.paths.contains_key(path));
+        self.routers.retain(|(_, router)| !router.get_openapi().paths.paths.contains_key(path));
         self
     }
 
     fn add(mut self, class: RouteClass, router: OpenApiRouter<AppState>) -> Self {
-        self.0.push((class, router));
+        self.routers.push((class, router));
         self
     }
 
-    /// `document` with the operations of these routes.
-    pub(crate) fn openapi(self, document: OpenApi) -> OpenApi {
-        self.0.into_iter().fold(OpenApiRouter::with_openapi(document), |all, (_, router)| all.merge(router)).into_openapi()
+    /// `outline` with the operations of these routes, and the files with their examples.
+    pub(crate) fn openapi(self, outline: OpenApi) -> (OpenApi, Vec<&'static str>) {
+        let all = self.routers.into_iter().fold(OpenApiRouter::with_openapi(outline), |all, (_, router)| all.merge(router));
+        (all.into_openapi(), self.examples)
     }
 
     /// A router of all routes, each inside the layers that `surround` adds for its class.
     pub(crate) fn into_router(self, surround: impl Fn(RouteClass, Router<AppState>) -> Router<AppState>) -> Router<AppState> {
-        self.0.into_iter().fold(Router::new(), |all, (class, router)| all.merge(surround(class, router.into())))
+        self.routers.into_iter().fold(Router::new(), |all, (class, router)| all.merge(surround(class, router.into())))
     }
 }

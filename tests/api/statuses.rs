@@ -3,18 +3,25 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, shortest};
+use crate::api::openapi::{FORM, Operation, document, operations};
 use crate::app::{PATIENCE, TestApp, defaults};
-use axum::routing::{get, post};
+use axum::routing::any;
+use reqwest::Response;
 use scallopd::http::{RouteClass, Routes};
-use serde_json::Value;
+use serde_json::json;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
+/// The media type of an operation's bodies, with a boundary if they are forms.
+fn content_type(operation: Operation<'_>) -> String {
+    let media_type = operation.media_type().unwrap();
+    if media_type == FORM { format!("{FORM}; boundary=edge") } else { media_type.to_owned() }
+}
+
 /// A request whose body does not arrive.
-async fn half_a_request(app: &TestApp, path: &str) -> TcpStream {
-    let mut stream = TcpStream::connect(app.address).await.unwrap();
-    let head = format!("POST {path} HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\ncontent-length: 1000\r\n\r\n{{");
+async fn half_a_request(app: &TestApp, path: &str, content_type: &str) -> TcpStream {
+    let mut stream = app.connect().await;
+    let head = format!("POST {path} HTTP/1.1\r\nhost: test\r\ncontent-type: {content_type}\r\ncontent-length: 1000\r\n\r\n{{");
     stream.write_all(head.as_bytes()).await.unwrap();
     stream
 }
@@ -29,43 +36,65 @@ async fn until_in_flight(app: &TestApp, count: usize) {
     }
 }
 
+/// The example request of an operation.
+async fn answer_to_example(operation: Operation<'_>, app: &TestApp) -> Response {
+    operation.request(app, &operation.example()).send().await.unwrap()
+}
+
+/// The answer to `body` with the operation's media type.
+async fn answer_to(operation: Operation<'_>, app: &TestApp, body: impl Into<reqwest::Body>) -> Response {
+    let post = app.client.post(app.url(operation.path)).header("content-type", content_type(operation));
+    post.body(body).send().await.unwrap()
+}
+
 /// The status of an operation's answer under conditions that must give the status `wanted`.
-async fn obtain(wanted: u16, path: &str) -> u16 {
-    let single = path.trim_end_matches("/batch");
-    let body = if single == path { shortest(single) } else { batch_of(shortest(single)) };
-    match wanted {
-        200 => TestApp::start().await.post(path, &body).await.status,
-        400 => TestApp::start().await.post_text(path, "{").await.status,
+async fn obtain(wanted: u16, operation: Operation<'_>) -> u16 {
+    let path = operation.path;
+    let answer = match wanted {
+        200 => answer_to_example(operation, &TestApp::start().await).await,
+        400 => answer_to(operation, &TestApp::start().await, "{").await,
         408 => {
             let app = TestApp::start_with(|settings| settings.http.body_idle_timeout = Duration::from_millis(50)).await;
-            status_of(half_a_request(&app, path).await).await
+            return status_of(half_a_request(&app, path, &content_type(operation)).await).await;
         }
         413 => {
-            let app = TestApp::start_with(|settings| settings.http.max_json_bytes = 64 * 1024).await;
-            app.post_text(path, format!("{body}{}", " ".repeat(64 * 1024))).await.status
+            let app = TestApp::start_with(|settings| {
+                settings.http.max_json_bytes = 64 * 1024;
+                settings.http.max_upload_bytes = 64 * 1024;
+            })
+            .await;
+            answer_to(operation, &app, " ".repeat(64 * 1024 + 1)).await
         }
         415 => {
             let app = TestApp::start().await;
-            app.client.post(app.url(path)).body(body.to_string()).send().await.unwrap().status().as_u16()
+            app.client.post(app.url(path)).body("{}").send().await.unwrap()
         }
-        422 => TestApp::start().await.post_text(path, "{}").await.status,
+        422 => {
+            let nothing = match operation.media_type() {
+                None => "".into(),
+                Some(FORM) => json!({"surface": "0,0,0", "parameters": {}}),
+                Some(_) => json!({}),
+            };
+            operation.request(&TestApp::start().await, &nothing).send().await.unwrap()
+        }
         500 => {
             // No request causes this status, only a panic in a handler, so a handler that panics replaces the
             // operation.
-            let failing = post(async || -> &'static str { panic!("a fault, on purpose") });
+            let failing = any(async || -> &'static str { panic!("a fault, on purpose") });
             let app = TestApp::serve(defaults(), Routes::new().undocumented(RouteClass::Single, path, failing)).await;
-            app.send(path, body.to_string()).await.status().as_u16()
+            answer_to_example(operation, &app).await
         }
         503 => {
             let app = TestApp::start_with(|settings| settings.http.max_in_flight = 1).await;
-            let _occupies_the_only_place = half_a_request(&app, path).await;
+            let _occupies_the_only_place = half_a_request(&app, "/v1/scallop-height", "application/json").await;
             until_in_flight(&app, 1).await;
-            let answer = app.send(path, body.to_string()).await;
+            let answer = answer_to_example(operation, &app).await;
             assert!(answer.headers().contains_key("retry-after"));
-            answer.status().as_u16()
+            answer
         }
         other => panic!("the test cannot obtain {other} from {path}"),
-    }
+    };
+    answer.status().as_u16()
 }
 
 async fn status_of(mut stream: TcpStream) -> u16 {
@@ -74,24 +103,13 @@ async fn status_of(mut stream: TcpStream) -> u16 {
     std::str::from_utf8(&head[9..]).unwrap().parse().unwrap()
 }
 
-fn document() -> Value {
-    serde_json::from_str(&scallopd::http::openapi_json()).unwrap()
-}
-
-fn documented(operation: &Value) -> BTreeSet<u16> {
-    operation["responses"].as_object().unwrap().keys().map(|status| status.parse().unwrap()).collect()
-}
-
-#[tokio::test]
-async fn every_documented_status_of_the_calculations_is_obtained() {
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn every_documented_status_of_every_operation_is_obtained() {
     let document = document();
-    for single in [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS] {
-        for path in [single.to_owned(), format!("{single}/batch")] {
-            let statuses = documented(&document["paths"][&path]["post"]);
-            assert!(statuses.contains(&200) && statuses.contains(&422), "{path}: {statuses:?}");
-            for status in statuses {
-                assert_eq!(obtain(status, &path).await, status, "{path}");
-            }
+    for operation in operations(&document) {
+        assert!(operation.statuses().contains(&200), "{}", operation.id());
+        for status in operation.statuses() {
+            assert_eq!(obtain(status, operation).await, status, "{}", operation.id());
         }
     }
 }
@@ -99,38 +117,15 @@ async fn every_documented_status_of_the_calculations_is_obtained() {
 #[tokio::test]
 async fn every_documented_status_of_the_service_operations_is_obtained() {
     let (app, document) = (TestApp::start().await, document());
+    let documented = |path: &str| -> BTreeSet<u16> {
+        document["paths"][path]["get"]["responses"].as_object().unwrap().keys().map(|status| status.parse().unwrap()).collect()
+    };
     let obtained = async |path: &str| app.get(path).await.status().as_u16();
-    for path in ["/livez", "/metrics", "/openapi.json"] {
-        assert_eq!(documented(&document["paths"][path]["get"]), BTreeSet::from([obtained(path).await]), "{path}");
+    for path in ["/livez", "/metrics", "/openapi.json", "/openapi-3.0.json"] {
+        assert_eq!(documented(path), BTreeSet::from([obtained(path).await]), "{path}");
     }
     let mut readyz = BTreeSet::from([obtained("/readyz").await]);
     app.state.readiness.drain();
     readyz.insert(obtained("/readyz").await);
-    assert_eq!(documented(&document["paths"]["/readyz"]["get"]), readyz);
-}
-
-/// A query that is answered, and one without an answer.
-const QUERY: &str = "cutter=toroidal&diameter_mm=10&corner_radius_mm=2&slope_deg=40&feed_angle_deg=30";
-
-#[tokio::test]
-async fn every_documented_status_of_the_queries_is_obtained() {
-    let document = document();
-    for path in [SCALLOP_HEIGHT, MAX_FEED, STEP_OVER, CUTTING_PARAMETERS] {
-        assert_eq!(documented(&document["paths"][path]["get"]), BTreeSet::from([200, 422, 500, 503]), "{path}");
-        let app = TestApp::start_with(|settings| settings.http.max_in_flight = 2).await;
-        let parameters = match path {
-            SCALLOP_HEIGHT => "step_over_mm=0.687",
-            MAX_FEED => "step_over_mm=0.687&scallop_tolerance_mm=0.013",
-            _ => "scallop_tolerance_mm=0.013",
-        };
-        let obtained = async |query: &str| app.get(&format!("{path}?{query}")).await.status().as_u16();
-        assert_eq!(obtained(&format!("{QUERY}&{parameters}")).await, 200, "{path}");
-        assert_eq!(obtained("").await, 422, "{path}");
-        let _occupy_both_places = (half_a_request(&app, path).await, half_a_request(&app, path).await);
-        until_in_flight(&app, 2).await;
-        assert_eq!(obtained("").await, 503, "{path}");
-        let failing = get(async || -> &'static str { panic!("a fault, on purpose") });
-        let app = TestApp::serve(defaults(), Routes::new().undocumented(RouteClass::Single, path, failing)).await;
-        assert_eq!(app.get(path).await.status(), 500, "{path}");
-    }
+    assert_eq!(documented("/readyz"), readyz);
 }

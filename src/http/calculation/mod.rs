@@ -4,21 +4,35 @@
 
 mod batch;
 mod column;
-pub(crate) mod cutting_parameters;
+mod cutting_parameters;
 mod feed_limits;
-pub(crate) mod max_feed;
-pub(crate) mod operations;
-pub(crate) mod scallop_height;
+mod max_feed;
+mod operations;
+mod scallop_height;
 mod selection;
 mod single;
-pub(crate) mod step_over;
+mod step_over;
 
-use operations::Texts;
+use cutting_parameters::FastestParameters;
+use max_feed::MaxFeed;
+use operations::{Texts, operations_of};
+use scallop_height::ScallopHeight;
+use step_over::MaxStepOver;
 
+use super::examples::examples;
 use super::reading::{Faulted, Faults, Members};
+use super::routes::Routes;
 use super::wire::{ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters};
 use crate::milling::{EvaluatedPass, NoAnswer, StepOver};
 use crate::quantity::Length;
+
+/// The routes of all calculations.
+pub(super) fn routes() -> Routes {
+    operations_of::<ScallopHeight>(examples!("scallop_height"))
+        .merge(operations_of::<MaxFeed>(examples!("max_feed")))
+        .merge(operations_of::<MaxStepOver>(examples!("step_over")))
+        .merge(operations_of::<FastestParameters>(examples!("cutting_parameters")))
+}
 
 /// The inputs of a calculation at a contact.
 pub(crate) struct Inputs<'a> {

@@ -6,6 +6,7 @@ use crate::http::app_state::AppState;
 use crate::http::problem::{Problems, QueryProblems, pascal_case};
 use crate::http::query::Query;
 use crate::http::reading::Components;
+use crate::http::routes::{RouteClass, Routes};
 use crate::http::worker_pool::Work;
 use axum::extract::RawQuery;
 use axum::routing::post;
@@ -40,8 +41,14 @@ const ABOUT_BATCH: &str = "The same calculation at many contacts. A contact with
 type Schemas = Vec<(String, RefOr<Schema>)>;
 type Describe = fn(&mut Components) -> RefOr<Schema>;
 
+/// The routes of a calculation, with the file of examples.
+pub(super) fn operations_of<C: Calculation + 'static>(examples: &'static str) -> Routes {
+    let routes = Routes::new().documented(RouteClass::Single, single::<C>()).documented(RouteClass::Batch, batch::<C>());
+    routes.with_examples(examples)
+}
+
 /// The operations for one contact.
-pub(crate) fn single<C: Calculation + 'static>() -> UtoipaMethodRouter<AppState> {
+fn single<C: Calculation + 'static>() -> UtoipaMethodRouter<AppState> {
     let Texts { name, summary, about, answer, .. } = C::TEXTS;
     let (mut schemas, mut paths) = (Schemas::new(), Paths::new());
     let path = format!("/v1/{name}");
@@ -58,7 +65,7 @@ pub(crate) fn single<C: Calculation + 'static>() -> UtoipaMethodRouter<AppState>
 }
 
 /// The operation for many contacts.
-pub(crate) fn batch<C: Calculation + 'static>() -> UtoipaMethodRouter<AppState> {
+fn batch<C: Calculation + 'static>() -> UtoipaMethodRouter<AppState> {
     let Texts { name, batch_summary, .. } = C::TEXTS;
     let (mut schemas, mut paths) = (Schemas::new(), Paths::new());
     let request = content(&mut schemas, &format!("{name}-batch-request"), batch::describe_request::<C>);

@@ -4,16 +4,34 @@
 mod answer;
 mod candidates;
 mod confidence;
-pub(crate) mod critical_slope;
+mod critical_slope;
 mod job;
 mod library;
-pub(crate) mod machines;
+mod machines;
 mod map;
 mod memory;
 mod parameters;
 mod passes;
 mod plan;
-pub(crate) mod recommendation;
+mod recommendation;
 mod shape;
 mod simulation;
-pub(crate) mod upload;
+mod upload;
+
+use super::examples::examples;
+use super::routes::{RouteClass, Routes};
+use utoipa_axum::routes;
+
+/// The routes of planning.
+pub(super) fn routes() -> Routes {
+    use RouteClass::{Batch, Single, Upload};
+    Routes::new()
+        .documented(Single, routes!(critical_slope::answer))
+        .with_examples(examples!("critical_slope"))
+        .documented(Single, routes!(machines::list))
+        .with_examples(examples!("machines"))
+        .documented(Batch, routes!(recommendation::answer))
+        .with_examples(examples!("cutter_recommendation"))
+        .documented(Upload, routes!(upload::answer))
+        .with_examples(examples!("cutter_recommendation_upload"))
+}

@@ -1,5 +1,5 @@
 //! Calls a server with the client that progenitor generates from the OpenAPI 3.0 document: typed requests, typed
-//! answers, a typed problem. Usage: scallopd-contract-client BASE_URL EXAMPLES_FOLDER
+//! answers, a typed problem. Usage: scallopd-contract-client BASE_URL OPENAPI_JSON
 
 #![deny(warnings)]
 
@@ -19,13 +19,14 @@ use std::num::NonZeroU64;
 #[tokio::main(flavor = "current_thread")]
 async fn main() -> Result<(), Box<dyn StdError>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [base_url, examples] = arguments.as_slice() else { return Err("usage: BASE_URL EXAMPLES_FOLDER".into()) };
+    let [base_url, document] = arguments.as_slice() else { return Err("usage: BASE_URL OPENAPI_JSON".into()) };
+    let examples = Examples(serde_json::from_str(&fs::read_to_string(document)?)?);
     let client = Client::new(base_url);
     height(&client).await?;
     problem(&client).await?;
-    upload(base_url, examples).await?;
+    upload(base_url, &examples).await?;
     unknown_code()?;
-    every_example(&client, examples).await?;
+    every_example(&client, &examples).await?;
     println!("progenitor: typed calls, a typed problem, an upload and all examples");
     Ok(())
 }
@@ -91,8 +92,8 @@ async fn problem(client: &Client) -> Result<(), Box<dyn StdError>> {
 }
 
 /// The generator does not support forms, so the form is built by hand from generated types.
-async fn upload(base_url: &str, examples: &str) -> Result<(), Box<dyn StdError>> {
-    let example: Value = read(examples, "cutter_recommendation_upload.request")?;
+async fn upload(base_url: &str, examples: &Examples) -> Result<(), Box<dyn StdError>> {
+    let example = examples.request("cutter_recommendation_upload", "multipart/form-data");
     let parameters: types::RecommendationParameters = serde_json::from_value(example["parameters"].clone())?;
     let surface = example["surface"].as_str().ok_or("the example has no surface")?.to_owned();
     let form = reqwest::multipart::Form::new()
@@ -112,22 +113,41 @@ fn unknown_code() -> Result<(), Box<dyn StdError>> {
     Ok(())
 }
 
-async fn every_example(client: &Client, examples: &str) -> Result<(), Box<dyn StdError>> {
+async fn every_example(client: &Client, examples: &Examples) -> Result<(), Box<dyn StdError>> {
     macro_rules! check {
-        ($($operation:ident),*) => { $({
-            let request = typed(read(examples, concat!(stringify!($operation), ".request"))?)?;
-            let answer = client.$operation(&request).await?.into_inner();
-            alike(&read(examples, concat!(stringify!($operation), ".answer"))?, &serde_json::to_value(answer)?, stringify!($operation));
-        })* };
+        (posted: $($posted:ident),*; fetched: $($fetched:ident),*) => {{
+            $({
+                let request = typed(examples.request(stringify!($posted), "application/json"))?;
+                let answer = client.$posted(&request).await?.into_inner();
+                alike(&examples.answer(stringify!($posted)), &serde_json::to_value(answer)?, stringify!($posted));
+            })*
+            $({
+                let answer = client.$fetched().await?.into_inner();
+                alike(&examples.answer(stringify!($fetched)), &serde_json::to_value(answer)?, stringify!($fetched));
+            })*
+        }};
     }
-    check!(scallop_height, scallop_height_batch, max_feed, max_feed_batch, step_over, step_over_batch);
-    check!(cutting_parameters, cutting_parameters_batch, critical_slope, cutter_recommendation);
-    alike(&read(examples, "machines.answer")?, &serde_json::to_value(client.machines().await?.into_inner())?, "machines");
+    include!(concat!(env!("OUT_DIR"), "/examples.rs"));
     Ok(())
 }
 
-fn read(examples: &str, name: &str) -> Result<Value, Box<dyn StdError>> {
-    Ok(serde_json::from_str(&fs::read_to_string(format!("{examples}/{name}.json"))?)?)
+/// The document with its examples.
+struct Examples(Value);
+
+impl Examples {
+    fn operation(&self, id: &str) -> &Value {
+        let operations = self.0["paths"].as_object().into_iter().flatten().filter_map(|(_, methods)| methods.as_object());
+        let found = operations.flat_map(|methods| methods.values()).find(|operation| operation["operationId"] == id);
+        found.unwrap_or_else(|| panic!("the document has no operation {id}"))
+    }
+
+    fn request(&self, id: &str, media_type: &str) -> Value {
+        self.operation(id)["requestBody"]["content"][media_type]["example"].clone()
+    }
+
+    fn answer(&self, id: &str) -> Value {
+        self.operation(id)["responses"]["200"]["content"]["application/json"]["example"].clone()
+    }
 }
 
 /// The request as the generated type; it must keep every member.
