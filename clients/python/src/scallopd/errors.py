@@ -7,6 +7,17 @@ from typing import Any, Dict, List, Mapping, Optional
 
 from .objects import NotRanked
 
+__all__ = [
+    "ConnectionLost",
+    "Fault",
+    "InvalidAnswer",
+    "NoCutterFits",
+    "Problem",
+    "ScallopdError",
+    "Timeout",
+    "ToleranceExceeded",
+]
+
 
 class ScallopdError(Exception):
     """Base class of every exception of this package."""

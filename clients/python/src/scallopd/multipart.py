@@ -8,7 +8,9 @@ import os
 import secrets
 from typing import Any, BinaryIO, Iterator, List, Optional, Sequence, Tuple, Union
 
-Source = Union[str, "os.PathLike[str]", bytes, bytearray, memoryview, BinaryIO]
+__all__ = ["File", "Source"]
+
+Source = Union[str, os.PathLike[str], bytes, bytearray, memoryview, BinaryIO]
 """What a file is read from: a path (`str` or `PathLike`), bytes, or an open binary file."""
 
 CHUNK_BYTES = 256 * 1024

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import List, Mapping, Optional
 
-from .objects import NotRanked, Plan, Recommendation
+from .objects import NotRanked
+from .planning import Plan, Recommendation
 
 HEADS = ["cutter", "direction deg", "time s", "passes", "step-over mm", "feed mm/min", "uncut %"]
 

@@ -1,0 +1,263 @@
+"""Comparisons of cutters on a surface: the methods and the objects that only they use."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, List, Literal, Mapping, Optional, Sequence, TypedDict, Union, cast
+
+from .endpoints import Endpoints
+from .multipart import File, Source
+from .objects import AnswerColumn, Cutter, CutterType, Machine, Model, NotRanked, Vector, Warning
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+__all__ = [
+    "Candidate",
+    "CriticalSlope",
+    "CriticalSlopeParameters",
+    "MachinePreset",
+    "Mesh",
+    "Passes",
+    "Plan",
+    "Planning",
+    "Recommendation",
+    "RecommendationParameters",
+    "Recommended",
+    "Selection",
+    "Surface",
+]
+
+
+# Critical slope
+
+
+class CriticalSlopeParameters(TypedDict, total=False):
+    """Parameters of `critical_slope` beside the cutters: the rectangle by its sides or by its form factor and size."""
+
+    width_mm: float
+    height_mm: float
+    form_factor: float
+    characteristic_size_mm2: float
+    slope_deg: float
+    model: Model
+
+
+class CriticalSlope(TypedDict, total=False):
+    """Answer of `critical_slope`. `always_faster` names the cutter that is faster on every slope, where there is one; with `slope_deg`
+    come the two candidates, the recommended one and the critical form factor."""
+
+    critical_slope_deg: float
+    always_faster: Literal["toroidal", "ball_end"]
+    critical_form_factor: float
+    recommended: Dict[str, Any]
+    candidates: List[Dict[str, Any]]
+    warnings: List[Warning]
+
+
+# Machines
+
+
+class MachinePreset(TypedDict):
+    """A machine that a request can name."""
+
+    name: str
+    description: str
+    feed_rate_mm_min: float
+    acceleration_m_s2: float
+    jerk_m_s3: float
+    source: str
+
+
+# Recommendation
+
+
+class Candidate(Cutter, total=False):
+    """A cutter that a recommendation compares. With `teeth` and `spindle_speed_rpm` the tolerance covers the tooth marks too."""
+
+    name: str
+    spindle_speed_rpm: float
+    max_feed_per_tooth_mm: float
+    flute_length_mm: float
+
+
+class Mesh(TypedDict):
+    """Triangles, by the indices of their corners."""
+
+    points: Sequence[Vector]
+    triangles: Sequence[Sequence[int]]
+
+
+class Surface(TypedDict, total=False):
+    """A surface in one of the service's forms."""
+
+    points: Sequence[Vector]
+    grid: Mapping[str, Any]
+    mesh: Mesh
+    bezier: Mapping[str, Any]
+    samples: int
+
+
+class Selection(TypedDict, total=False):
+    """The facets to machine: those that meet every stated condition."""
+
+    slope_deg: Sequence[float]
+    box_mm: Mapping[str, Vector]
+    pieces: Sequence[int]
+
+
+class RecommendationParameters(TypedDict, total=False):
+    """Parameters of a recommendation beside the surface, cutters, tolerance and machine."""
+
+    pattern: Literal["zigzag", "one_way"]
+    max_slope_deg: float
+    method: Literal["surface", "rectangle"]
+    model: Model
+    directions_deg: Sequence[float]
+    unit: str
+    facing: str
+    max_uncut_share: float
+    select: Selection
+    include: Sequence[Literal["map", "passes"]]
+
+
+class Recommended(TypedDict, total=False):
+    """The fastest plan; step-over and feed rate are medians."""
+
+    cutter: int
+    name: str
+    preset: str
+    direction_deg: float
+    machining_time_s: float
+    step_over_xy_mm: float
+    feed_rate_mm_min: float
+
+
+class Plan(TypedDict, total=False):
+    """A cutter's best plan. Method `rectangle` lacks the simulation's figures."""
+
+    cutter: int
+    name: str
+    preset: str
+    type: CutterType
+    direction_deg: float
+    machining_time_s: float
+    passes: float
+    path_length_mm: float
+    links: Dict[str, float]
+    step_over_xy_mm: Dict[str, float]
+    feed_rate_mm_min: float
+    feed_per_tooth_mm: float
+    scallop_height_mm: Dict[str, float]
+    over_tolerance_share: float
+    uncut_share: float
+    uncut_height_mm: float
+    uncut_height_error_mm: float
+    least_time_s: float
+    by_direction: Dict[str, List[float]]
+    rectangle: Dict[str, float]
+
+
+class Passes(TypedDict, total=False):
+    """The passes point by point, in cutting order; a run begins at each index of `run_starts`. `contact_mm` is None where the
+    tip was raised to keep clear of the surface."""
+
+    run_starts: List[int]
+    contact_mm: List[Optional[List[float]]]
+    normal: List[Optional[List[float]]]
+    tip_mm: List[List[float]]
+    step_over_mm: AnswerColumn
+    feed_per_tooth_mm: AnswerColumn
+    feed_rate_mm_min: AnswerColumn
+    scallop_height_mm: AnswerColumn
+    surface_curvature: Dict[str, AnswerColumn]
+    machining_time_s: float
+    chord_tolerance_mm: float
+
+
+class _RecommendationAnswer(TypedDict):
+    method: str
+    model: Model
+    recommended: Recommended
+    candidates: List[Plan]
+    not_ranked: List[NotRanked]
+    surface: Dict[str, Any]
+    confidence: Dict[str, Any]
+    warnings: List[Warning]
+
+
+class Recommendation(_RecommendationAnswer, total=False):
+    """Answer of a recommendation; `map` and `passes` where `include` asks for them."""
+
+    critical_slope_deg: float
+    always_faster: Literal["toroidal", "ball_end"]
+    critical_form_factor: float
+    map: Dict[str, Any]
+    passes: Passes
+
+
+class Planning(Endpoints):
+    """Recommendations of cutters, the inclined rectangle and the machines."""
+
+    def critical_slope(
+        self,
+        toroidal: Mapping[str, float],
+        ball_end: Mapping[str, float],
+        scallop_height_mm: float,
+        machine: Union[str, Machine],
+        **rectangle: Unpack[CriticalSlopeParameters],
+    ) -> CriticalSlope:
+        """The slope of an inclined rectangle up to which the toroidal cutter is the faster one."""
+        body = {"toroidal": toroidal, "ball_end": ball_end, "scallop_height_mm": scallop_height_mm, "machine": _machine(machine)}
+        return cast(CriticalSlope, self._post("critical-slope", {**body, **rectangle}))
+
+    def machines(self) -> List[MachinePreset]:
+        """The machines that requests can name."""
+        return cast(List[MachinePreset], self._get("machines")["machines"])
+
+    def recommend(
+        self,
+        surface: Surface,
+        cutters: Sequence[Candidate],
+        scallop_height_mm: float,
+        machine: Union[str, Machine],
+        **parameters: Unpack[RecommendationParameters],
+    ) -> Recommendation:
+        """Ranks cutters by the time in which they finish a surface. Raises `NoCutterFits` where none can."""
+        body = _recommendation(cutters, scallop_height_mm, machine, cast(Dict[str, Any], parameters))
+        return cast(Recommendation, self._post("cutter-recommendation", {**body, "surface": surface}))
+
+    def recommend_file(
+        self,
+        surface: Union[Source, File],
+        cutters: Sequence[Candidate],
+        scallop_height_mm: float,
+        machine: Union[str, Machine],
+        *,
+        libraries: Sequence[Union[Source, File]] = (),
+        **parameters: Unpack[RecommendationParameters],
+    ) -> Recommendation:
+        """`recommend` with the surface in a file (STL, OBJ, PLY, 3MF or text), whose bytes are read while they are sent.
+
+        A file is a path, bytes or an open binary file; `File(source, name)` names bytes, because the suffix helps to detect the
+        format. The cutters of `libraries` (Fusion, FreeCAD or CSV) join `cutters`. A file that cannot be read twice, such as a
+        pipe, is sent once: the call is then not repeated.
+        """
+        body = _recommendation(cutters, scallop_height_mm, machine, cast(Dict[str, Any], parameters))
+        files = [("surface", surface), *(("library", library) for library in libraries)]
+        return cast(Recommendation, self._upload("cutter-recommendation/upload", body, files))
+
+
+def _machine(machine: Union[str, Machine]) -> Machine:
+    return {"preset": machine} if isinstance(machine, str) else machine
+
+
+def _recommendation(
+    cutters: Sequence[Candidate], scallop_height_mm: float, machine: Union[str, Machine], parameters: Dict[str, Any]
+) -> Dict[str, Any]:
+    return {
+        # An upload may take all its cutters from libraries.
+        "cutters": cutters if len(cutters) > 0 else None,
+        "scallop_height_mm": scallop_height_mm,
+        "machine": _machine(machine),
+        **parameters,
+    }
