@@ -3,8 +3,8 @@
 use super::query::parameters_of;
 use serde_json::{Map, Value, json};
 
-/// Embeds the file of an endpoint in `openapi/examples/`: for the id of each of its operations, an object with the
-/// members `request`, `answer` and `refused`, each as far as the operation has one.
+/// Embeds an endpoint's file from `openapi/examples/`. It maps the id of each operation to an object with the members
+/// `request`, `answer` and `refused`, of which each may be absent.
 macro_rules! examples {
     ($endpoint:literal) => {
         include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/openapi/examples/", $endpoint, ".json"))
@@ -23,7 +23,7 @@ pub(super) fn insert(document: &mut Value, files: &[&str]) {
         if let Some(refused) = examples_of(&id).and_then(|examples| examples["refused"].as_object()) {
             operation["responses"]["422"]["content"]["application/problem+json"]["examples"] = refusals(refused);
         }
-        // A query has the example of the operation with the same members in JSON.
+        // The example of a query is that of the operation with the same members in JSON.
         if let Some(examples) = examples_of(id.strip_suffix("_query").unwrap_or(&id)) {
             insert_accepted(operation, &examples["request"], &examples["answer"]);
         }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::api::openapi::{Operation, assert_valid, document, json_operations, posted, validator};
+use crate::api::openapi::{Operation, assert_valid, document, json_operations, operation, validator};
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
 use crate::app::{Answer, TestApp, faults};
 use scallopd::http::{openapi_3_0_json, openapi_json};
@@ -61,7 +61,7 @@ async fn requests_of_all_shapes_and_their_answers_fit_the_schemas() {
     let (app, document) = (TestApp::start().await, document());
     for single in SINGLES {
         for (path, batch) in [(single.to_owned(), false), (format!("{single}/batch"), true)] {
-            let operation = posted(&document, &path);
+            let operation = operation(&document, "post", &path);
             let requests = validator(&document, &operation.body()["schema"]);
             let answers = validator(&document, &operation.answer()["schema"]);
             for body in answered(single) {
@@ -77,8 +77,8 @@ async fn requests_of_all_shapes_and_their_answers_fit_the_schemas() {
 async fn the_service_refuses_requests_that_the_schemas_refuse() {
     let (app, document) = (TestApp::start().await, document());
     for single in SINGLES {
-        let schema = validator(&document, &posted(&document, single).body()["schema"]);
-        let problems = validator(&document, &posted(&document, single).problem(422)["schema"]);
+        let schema = validator(&document, &operation(&document, "post", single).body()["schema"]);
+        let problems = validator(&document, &operation(&document, "post", single).problem(422)["schema"]);
         let body = longest(single);
         for wrong in [
             with(body.clone(), "/note", "x"),
@@ -130,7 +130,7 @@ async fn the_members_of_each_schema_are_those_that_the_service_accepts() {
         known(problem["errors"][0]["detail"].as_str().unwrap())
     };
     for single in SINGLES {
-        let top = schema(&document, posted(&document, single));
+        let top = schema(&document, operation(&document, "post", single));
         assert_eq!(known_at(single, longest(single), "").await, properties(top), "{single}");
         assert_eq!(
             known_at(single, longest(single), "/runout").await,
@@ -150,7 +150,7 @@ async fn the_members_of_each_schema_are_those_that_the_service_accepts() {
         }
 
         let path = format!("{single}/batch");
-        let top = schema(&document, posted(&document, &path));
+        let top = schema(&document, operation(&document, "post", &path));
         assert_eq!(known_at(&path, batch_of(longest(single)), "").await, properties(top), "{path}");
         let contacts = json!([{"slope_deg": 40, "feed_angle_deg": 30, "zz": 1}, {"normal": [0, 0.5, 1], "feed": [1, 0, 0], "zz": 1}]);
         // No contact has an answer, so the batch has none.
@@ -208,7 +208,7 @@ async fn a_problem_has_the_members_that_the_schema_of_its_type_names_and_no_othe
     for (path, kind, body) in refused() {
         let problem = app.refusal(path, &body).await;
         assert_eq!(problem["type"], kind, "{problem}");
-        let union = component(&document, &posted(&document, path).problem(422)["schema"]);
+        let union = component(&document, &operation(&document, "post", path).problem(422)["schema"]);
         let schema = component(&document, &json!({"$ref": union["discriminator"]["mapping"][kind]}));
         assert_valid(&validator(&document, schema), &problem);
         let members: BTreeSet<String> = problem.as_object().unwrap().keys().cloned().collect();

@@ -26,7 +26,7 @@ pub(crate) struct Operation<'a> {
     pub(crate) described: &'a Value,
 }
 
-/// The operations whose requests and answers are described: those of the API, without probes and pages.
+/// The operations of the API, without probes, metrics and pages.
 pub(crate) fn operations(document: &Value) -> impl Iterator<Item = Operation<'_>> {
     let paths = document["paths"].as_object().unwrap().iter().filter(|(path, _)| path.starts_with("/v1/"));
     paths.flat_map(|(path, item)| {
@@ -39,9 +39,9 @@ pub(crate) fn json_operations(document: &Value) -> impl Iterator<Item = Operatio
     operations(document).filter(|operation| operation.media_type() == Some(JSON))
 }
 
-/// The `POST` of a path.
-pub(crate) fn posted<'a>(document: &'a Value, path: &'a str) -> Operation<'a> {
-    Operation { path, method: "post", described: &document["paths"][path]["post"] }
+/// The operation with a method, in lower case, at a path.
+pub(crate) fn operation<'a>(document: &'a Value, method: &'a str, path: &'a str) -> Operation<'a> {
+    Operation { path, method, described: &document["paths"][path][method] }
 }
 
 impl<'a> Operation<'a> {

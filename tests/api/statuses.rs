@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use crate::api::openapi::{FORM, Operation, document, operations};
+use crate::api::openapi::{FORM, Operation, document, operation, operations};
 use crate::app::{PATIENCE, TestApp, defaults};
 use axum::routing::any;
 use reqwest::Response;
@@ -36,7 +36,7 @@ async fn until_in_flight(app: &TestApp, count: usize) {
     }
 }
 
-/// The example request of an operation.
+/// The answer to an operation's example request.
 async fn answer_to_example(operation: Operation<'_>, app: &TestApp) -> Response {
     operation.request(app, &operation.example()).send().await.unwrap()
 }
@@ -94,6 +94,8 @@ async fn obtain(wanted: u16, operation: Operation<'_>) -> u16 {
         }
         other => panic!("the test cannot obtain {other} from {path}"),
     };
+    let media_type = if wanted == 200 { "application/json" } else { "application/problem+json" };
+    assert_eq!(answer.headers()["content-type"], media_type, "{path} {wanted}");
     answer.status().as_u16()
 }
 
@@ -117,9 +119,7 @@ async fn every_documented_status_of_every_operation_is_obtained() {
 #[tokio::test]
 async fn every_documented_status_of_the_service_operations_is_obtained() {
     let (app, document) = (TestApp::start().await, document());
-    let documented = |path: &str| -> BTreeSet<u16> {
-        document["paths"][path]["get"]["responses"].as_object().unwrap().keys().map(|status| status.parse().unwrap()).collect()
-    };
+    let documented = |path: &str| operation(&document, "get", path).statuses();
     let obtained = async |path: &str| app.get(path).await.status().as_u16();
     for path in ["/livez", "/metrics", "/openapi.json", "/openapi-3.0.json"] {
         assert_eq!(documented(path), BTreeSet::from([obtained(path).await]), "{path}");

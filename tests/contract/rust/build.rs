@@ -18,8 +18,8 @@ fn main() {
     fs::write(Path::new(&out).join("examples.rs"), calls_of_examples(&document)).expect("the calls can be written");
 }
 
-/// A call of the macro `check!` with the ids of the operations that have the example of an answer: of those with a JSON
-/// body, and of those without input.
+/// A call of the macro `check!` with the ids of the operations whose answer has an example: those with a JSON body, and
+/// those without input.
 fn calls_of_examples(document: &OpenAPI) -> String {
     let (mut posted, mut fetched) = (Vec::new(), Vec::new());
     for (_, _, operation) in document.operations() {
@@ -30,9 +30,10 @@ fn calls_of_examples(document: &OpenAPI) -> String {
             _ if !has_example => {}
             (Some(_), _) => posted.push(id),
             (None, true) => fetched.push(id),
-            // Queries are called with JSON examples in other languages.
+            // The generated Python client calls the queries.
             (None, false) => {}
         }
     }
+    assert!(!posted.is_empty() && !fetched.is_empty(), "the document has no examples");
     format!("check!(posted: {}; fetched: {})", posted.join(", "), fetched.join(", "))
 }
