@@ -1,5 +1,6 @@
 //! The cutter, described as the solid that it sweeps when it rotates.
 
+use super::profile::Profile;
 use crate::quantity::Length;
 use std::fmt;
 
@@ -93,6 +94,12 @@ impl Cutter {
     #[must_use]
     pub fn core_radius(self) -> Length {
         Length::computed(self.outer_radius - self.corner_radius)
+    }
+
+    /// The lower profile.
+    #[must_use]
+    pub fn profile(self) -> Profile {
+        Profile::torus(self.outer_radius, self.corner_radius)
     }
 
     /// The same cutter with its outer radius larger by `extra`, as radial runout makes it [Segonds 2017, after eq. 15].

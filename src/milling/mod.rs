@@ -18,6 +18,7 @@ mod model;
 mod model_warning;
 mod no_answer;
 mod pass;
+mod profile;
 
 pub use analytic::{Analytic, EffectiveRadius};
 pub use contact::{Contact, ContactError};
@@ -29,3 +30,4 @@ pub use model::{EvaluatedPass, Model};
 pub use model_warning::ModelWarning;
 pub use no_answer::NoAnswer;
 pub use pass::{Pass, Runout, ScallopHeight, StepOver};
+pub use profile::{MOST_ARCS, Profile, ProfileArc, ProfileError};
