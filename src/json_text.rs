@@ -78,12 +78,6 @@ impl<'a> JsonText<'a> {
         Ok((object, members.map_err(|name| Unread::Name(object.name_error(&name)))))
     }
 
-    /// The value at the beginning of `json`, after blanks. `None` if there is none, or once `stop` returns true.
-    pub(crate) fn first(json: &'a [u8], stop: &dyn Fn() -> bool) -> Option<Self> {
-        let value = Scanner::new(json, stop).value().ok()?;
-        std::str::from_utf8(value).ok().map(Self)
-    }
-
     /// A text that is known to be a JSON value without blanks around it.
     pub(crate) fn known(json: &'a str) -> Self {
         Self(json)

@@ -1,8 +1,6 @@
 //! The fast reader of plain values in JSON text whose syntax has not been checked: objects of known members, numbers
 //! and arrays of numbers. It refuses everything else, valid or not, so that the general reader can find the faults.
 
-use super::JsonText;
-
 /// A JSON text and the position up to which it has been read.
 #[derive(Debug, Clone)]
 pub(crate) struct PlainJson<'a> {
@@ -63,16 +61,6 @@ const MOST_DIGITS: usize = 19;
 impl<'a> PlainJson<'a> {
     pub(crate) fn new(text: &'a [u8]) -> Self {
         Self { text, at: 0 }
-    }
-
-    /// The position of the next byte.
-    pub(crate) fn position(&self) -> usize {
-        self.at
-    }
-
-    /// Continues at `position`, which is in the text or at its end.
-    pub(crate) fn seek(&mut self, position: usize) {
-        self.at = position;
     }
 
     fn next(&self) -> Option<u8> {
@@ -197,14 +185,6 @@ impl<'a> PlainJson<'a> {
         let found = self.text[self.at..].starts_with(b"null");
         self.at += if found { 4 } else { 0 };
         found
-    }
-
-    /// Reads a value of any kind, unparsed. Once `stop` returns true, it ends early with an error.
-    pub(crate) fn value(&mut self, stop: &dyn Fn() -> bool) -> Result<JsonText<'a>, Unusual> {
-        self.skip_blank();
-        let value = JsonText::first(&self.text[self.at..], stop).ok_or(Unusual)?;
-        self.at += value.get().len();
-        Ok(value)
     }
 
     /// Reads an object. `take` reads the value of a member, and returns false if it does not know the name.

@@ -2,7 +2,7 @@
 //! null for a contact without a value.
 
 use super::array::items;
-use super::{Faulted, Faults, Object, PlainColumns};
+use super::{Faulted, Faults, Object};
 use crate::http::codes::RequestFault;
 use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual, read_numbers};
 
@@ -45,17 +45,6 @@ impl<'a> Columns<'a> {
             Some((*name, Column::read(raw, kind, most, path.member(name), faults).ok()?))
         };
         Self(known.iter().filter_map(take).collect())
-    }
-
-    /// The same for columns whose syntax has not been checked. `None` if there are others than columns of numbers.
-    pub(crate) fn of_plain(mut given: PlainColumns<'_>, known: &KnownColumns, most: usize) -> Option<Self> {
-        let mut columns = Vec::new();
-        for (name, _) in known.iter().filter(|(_, kind)| matches!(kind, ColumnKind::Numbers)) {
-            if let Some(items) = given.take(name) {
-                columns.push((*name, Column::Numbers(read_numbers(items, most)?)));
-            }
-        }
-        given.is_empty().then_some(Self(columns))
     }
 
     /// Compares the number of rows of all columns of the object at `path`.

@@ -4,7 +4,6 @@
 mod array;
 mod columns;
 mod components;
-mod cut_out;
 mod faults;
 mod kinds;
 mod list;
@@ -17,7 +16,6 @@ mod slots;
 pub(crate) use array::{each_raw, items};
 pub(crate) use columns::{Columns, KnownColumns};
 pub(crate) use components::Components;
-pub(crate) use cut_out::{CutOut, Large, PlainColumns};
 pub(crate) use faults::{Fault, Faulted, Faults, describe};
 pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use list::List;

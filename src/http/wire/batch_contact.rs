@@ -4,7 +4,7 @@
 use super::contact::{self, FormSlots, StatedContact};
 use super::parameters::{ContactParameters, ParameterSlots, StatedParameters};
 use crate::http::reading::{Components, Faulted, Faults, Object, Slots};
-use crate::json_text::{JsonPath, JsonText, PlainJson, Unusual};
+use crate::json_text::{JsonPath, JsonText, PlainJson};
 use utoipa::openapi::{RefOr, Schema};
 
 /// A contact and its own parameters.
@@ -19,24 +19,6 @@ impl BatchContact {
     pub(crate) fn read(raw: JsonText<'_>, defaults: &ContactParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let plain = Self::read_plain(&mut PlainJson::new(raw.get().as_bytes()), defaults);
         plain.map_or_else(|| Self::read_faulty(raw, defaults, path, faults), Ok)
-    }
-
-    /// Reads the next contact of `json`, whose syntax has not been checked. The outer error means that no JSON value
-    /// follows, or that only the general reader can read it.
-    #[inline]
-    pub(crate) fn read_next(
-        json: &mut PlainJson<'_>,
-        defaults: &ContactParameters,
-        path: JsonPath<'_>,
-        faults: &mut Faults,
-    ) -> Result<Result<Self, Faulted>, Unusual> {
-        json.skip_blank();
-        let first = json.position();
-        if let Some(plain) = Self::read_plain(json, defaults) {
-            return Ok(Ok(plain));
-        }
-        json.seek(first);
-        Ok(Self::read_faulty(json.value(&|| faults.is_cancelled())?, defaults, path, faults))
     }
 
     /// Reads a contact that cannot be read in one pass, and records all its faults.

@@ -4,7 +4,7 @@ use super::batch_contact::{BatchContact, ContactSlots, batch_contact_schemas};
 use super::contact::FormSlots;
 use super::parameters::{ContactParameters, StatedParameters};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Columns, Components, Faulted, Faults, KnownColumns, Object, PlainColumns, Slots, describe, items};
+use crate::http::reading::{Columns, Components, Faulted, Faults, KnownColumns, Object, Slots, describe, items};
 use crate::json_text::{JsonPath, JsonText};
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 
@@ -51,14 +51,6 @@ impl<'a> Contacts<'a> {
             let detail = "give the columns slope_deg and feed_angle_deg, or normal and feed";
             faults.add(&path, RequestFault::MissingField, detail)
         })
-    }
-
-    /// Reads columns whose syntax has not been checked. `None` if only the general reader can read them, or if it
-    /// finds faults of the columns as a whole.
-    pub(crate) fn of_plain(given: PlainColumns<'_>, stated: StatedParameters) -> Option<Self> {
-        let mut faults = Faults::default();
-        let contacts = Self::of_columns(Columns::of_plain(given, &known(stated), Self::MOST)?, &JsonPath::Root, &mut faults);
-        contacts.filter(|_| faults.is_empty())
     }
 
     /// The contacts in columns, which must have one length; `None` without columns.
