@@ -10,13 +10,13 @@ use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::http::{Request, header};
 use scallopd::http::{self, AppState};
-use scallopd::settings::{Command, HttpSettings};
+use scallopd::settings::{Command, Settings};
 use tokio::runtime::Runtime;
 use tower::ServiceExt;
 
-fn defaults() -> HttpSettings {
+fn defaults() -> Settings {
     match Command::read(["scallopd"]) {
-        Ok(Command::Serve(settings)) => settings.http,
+        Ok(Command::Serve(settings)) => *settings,
         _ => panic!("the defaults cannot be used"),
     }
 }

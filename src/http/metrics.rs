@@ -19,6 +19,7 @@ use prometheus_client::registry::{Registry, Unit};
 
 use super::overload::Overload;
 use crate::memory_budget::MemoryBudget;
+use crate::telemetry;
 
 /// Upper bounds of the histogram's buckets, in s: from a single calculation to the request time-out.
 const DURATIONS: [f64; 18] =
@@ -89,6 +90,7 @@ impl Metrics {
             Info::new([("version", version), ("revision", revision)]),
         );
         registry.register_collector(Box::new(BudgetMetrics(budget.clone())));
+        registry.register_collector(Box::new(LogMetrics));
         #[cfg(target_os = "linux")]
         registry.register_collector(Box::new(crate::telemetry::process_metrics::ProcessMetrics));
         Self(Arc::new(Counters { registry, requests, durations, in_flight, shed, upload_bytes, upload_facets }))
@@ -140,6 +142,18 @@ impl Collector for BudgetMetrics {
         ConstGauge::new(self.0.reserved()).encode(reserved)?;
         let refusals = encoder.encode_descriptor("scallopd_memory_refusals", "Reservations refused", None, MetricType::Counter)?;
         ConstCounter::new(self.0.refusals()).encode(refusals)
+    }
+}
+
+/// The state of the log at each scrape.
+#[derive(Debug)]
+struct LogMetrics;
+
+impl Collector for LogMetrics {
+    fn encode(&self, mut encoder: DescriptorEncoder) -> Result<(), std::fmt::Error> {
+        let help = "Log lines dropped because their reader was too slow";
+        let dropped = encoder.encode_descriptor("scallopd_log_lines_dropped", help, None, MetricType::Counter)?;
+        ConstCounter::new(telemetry::dropped_lines()).encode(dropped)
     }
 }
 

@@ -35,7 +35,7 @@ use axum::Router;
 use axum::http::StatusCode;
 use utoipa_axum::routes;
 
-use crate::settings::HttpSettings;
+use crate::settings::Settings;
 
 /// All routes, each with its class and its documentation.
 #[must_use]
@@ -86,7 +86,7 @@ pub fn refusals(state: &AppState) -> Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + 
 }
 
 /// The service: `routes` inside the middleware.
-pub fn service(routes: Routes, settings: &HttpSettings, state: &AppState) -> Router {
+pub fn service(routes: Routes, settings: &Settings, state: &AppState) -> Router {
     let stack = middleware::Stack::new(settings, state);
     let surround = |class, router| stack.surround(class, router);
     let no_such_path = surround(RouteClass::Single, Router::new().fallback(async || StatusCode::NOT_FOUND));

@@ -32,7 +32,7 @@ use tower::ServiceExt;
 pub use signal::stop_signal;
 
 use crate::memory_budget::MemoryBudget;
-use crate::settings::ServerSettings;
+use crate::settings::Settings;
 use departure::Departure;
 use stream::{ClientStream, ClientTimeouts};
 use table::{ConnectionTable, Entry};
@@ -76,14 +76,14 @@ impl std::fmt::Debug for App {
 ///
 /// # Errors
 /// Returns errors of the listener. Errors of clients and shortages of resources are only logged.
-pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, stop: impl Future<Output = ()>) -> io::Result<()> {
+pub async fn serve(listener: TcpListener, app: App, settings: &Settings, stop: impl Future<Output = ()>) -> io::Result<()> {
     let mut protocol = http1::Builder::new();
     // `ClientStream` has its own deadlines for heads, and `Departure` detects clients that close the connection.
     protocol.timer(TokioTimer::new()).header_read_timeout(None).half_close(true);
     protocol.max_header_size(MAX_HEAD_BYTES).max_buf_size(MAX_BUFFER_BYTES);
-    let timeouts = ClientTimeouts { header: settings.header_timeout, idle: settings.idle_timeout, write: settings.write_timeout };
+    let timeouts = ClientTimeouts { header: settings.client_timeout_s, idle: settings.client_timeout_s, write: settings.client_timeout_s };
     let connections =
-        Connections { protocol, app, timeouts, table: ConnectionTable::new(settings.max_connections), ending: GracefulShutdown::new() };
+        Connections { protocol, app, timeouts, table: ConnectionTable::new(settings.max_connections()), ending: GracefulShutdown::new() };
     let mut stop = pin!(stop);
     loop {
         let accepted = tokio::select! {
@@ -103,7 +103,7 @@ pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, s
     }
     connections.sweep(&listener).await;
     drop(listener);
-    connections.end(settings.shutdown_grace).await;
+    connections.end(settings.shutdown_grace()).await;
     Ok(())
 }
 

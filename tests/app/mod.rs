@@ -53,9 +53,8 @@ impl TestApp {
 
     /// Serves `routes`.
     pub(crate) async fn serve(settings: Settings, routes: Routes) -> Self {
-        let state = AppState::start(&settings.http).unwrap();
-        let app =
-            App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
+        let state = AppState::start(&settings).unwrap();
+        let app = App { router: http::service(routes, &settings, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
         let (stop, stopped) = oneshot::channel();
@@ -63,7 +62,7 @@ impl TestApp {
             let stop = async {
                 let _ = stopped.await;
             };
-            server::serve(listener, app, &settings.server, stop).await
+            server::serve(listener, app, &settings, stop).await
         });
         let client = reqwest::Client::builder().no_gzip().timeout(PATIENCE).build().unwrap();
         Self { address, state, client, stop: Some(stop), served }

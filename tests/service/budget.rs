@@ -16,7 +16,7 @@ async fn start() -> TestApp {
         body.len().to_string()
     };
     let mut settings = defaults();
-    settings.http.memory_budget_bytes = 256 * KIB;
+    settings.memory_budget = 256 * KIB;
     server::start(settings, Routes::new().undocumented(RouteClass::Batch, "/length", post(length))).await
 }
 

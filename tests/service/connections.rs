@@ -11,7 +11,6 @@ use axum::routing::{get, post};
 use scallopd::http::worker_pool::Work;
 use scallopd::http::{RouteClass, Routes};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::TcpStream;
 
 use crate::app::{TestApp, defaults};
 use crate::service::server::{self, read_all, send, until};
@@ -83,7 +82,7 @@ fn assert_problem(answer: &str, status: u16) {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn malformed_heads_are_answered_with_a_problem_and_an_id_and_are_counted() {
     let mut settings = defaults();
-    settings.server.header_timeout = Duration::from_secs(1);
+    settings.client_timeout_s = Duration::from_secs(1);
     let server = server::start(settings, routes()).await;
     let long = "x".repeat(20_000);
     for (status, head) in [
@@ -160,7 +159,7 @@ async fn work_for_a_client_that_stays_half_closed_ends_after_a_second() {
 async fn work_ends_at_once_after_a_reset_and_after_the_time_out() {
     let endless = Endless::default();
     let mut settings = defaults();
-    settings.http.request_timeout = Duration::from_secs(1);
+    settings.request_timeout_s = Duration::from_secs(1);
     let server = server::start(settings, endless.routes()).await;
     let request = "POST /endless HTTP/1.1\r\nhost: test\r\ncontent-length: 2\r\n\r\n{}";
     let mut stream = server.connect().await;
@@ -201,62 +200,4 @@ async fn work_on_a_part_of_a_body_ends_after_a_reset_although_the_rest_is_unread
     stream.set_zero_linger().unwrap();
     drop(stream);
     endless.cancelled().await;
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn connections_may_be_idle_longer_between_requests_than_before_the_first() {
-    let mut settings = defaults();
-    settings.server.header_timeout = Duration::from_secs(1);
-    settings.server.idle_timeout = Duration::from_secs(3);
-    let server = server::start(settings, routes()).await;
-    let request = "GET /headers HTTP/1.1\r\nhost: test\r\n\r\n";
-    // The service measures from the moment at which it accepts a connection, which can be before `connect` returns.
-    let began = Instant::now();
-    let (mut used, mut unused) = (server.connect().await, server.connect().await);
-    let ask = async |stream: &mut TcpStream| {
-        send(stream, request).await;
-        stream.read(&mut [0; 4096]).await.unwrap()
-    };
-    assert!(ask(&mut used).await > 0);
-    assert_eq!(read_all(&mut unused).await, "");
-    assert!((Duration::from_secs(1)..Duration::from_secs(3)).contains(&began.elapsed()), "{:?}", began.elapsed());
-    tokio::time::sleep(Duration::from_millis(500)).await;
-    assert!(ask(&mut used).await > 0);
-    let began = Instant::now();
-    assert_eq!(read_all(&mut used).await, "");
-    assert!(began.elapsed() > Duration::from_secs(2), "{:?}", began.elapsed());
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_connection_beyond_the_limit_closes_the_one_that_is_idle_longest() {
-    let mut settings = defaults();
-    settings.server.max_connections = 2;
-    let server = server::start(settings, routes()).await;
-    let mut first = server.connect().await;
-    tokio::time::sleep(Duration::from_millis(20)).await;
-    let mut second = server.connect().await;
-    tokio::time::sleep(Duration::from_millis(20)).await;
-    let probe = "GET /livez HTTP/1.1\r\nhost: test\r\nconnection: close\r\n\r\n";
-    assert!(answer_to(&server, probe).await.starts_with("HTTP/1.1 200"));
-    assert_eq!(read_all(&mut first).await, "");
-    send(&mut second, probe).await;
-    assert!(read_all(&mut second).await.starts_with("HTTP/1.1 200"));
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn probes_are_answered_when_every_connection_has_a_request() {
-    let mut settings = defaults();
-    settings.server.max_connections = 2;
-    let server = server::start(settings, routes()).await;
-    let mut busy = Vec::new();
-    for _ in 0..2 {
-        let mut stream = server.connect().await;
-        send(&mut stream, "GET /never HTTP/1.1\r\nhost: test\r\n\r\n").await;
-        busy.push(stream);
-    }
-    until("both have a request", async || server.metrics().await.contains("scallopd_http_requests_in_flight 3\n")).await;
-    for _ in 0..3 {
-        let answer = answer_to(&server, "GET /livez HTTP/1.1\r\nhost: test\r\n\r\n").await;
-        assert!(answer.starts_with("HTTP/1.1 200") && answer.contains("connection: close\r\n"), "{answer}");
-    }
 }

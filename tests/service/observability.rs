@@ -68,7 +68,7 @@ async fn long_answers_are_compressed_on_request() {
 #[tokio::test]
 async fn only_listed_origins_may_call() {
     let mut settings = defaults();
-    settings.http.cors_origins = CorsOrigins::Listed(vec!["https://panel.example".parse().unwrap()]);
+    settings.cors_origins = CorsOrigins::Listed(vec!["https://panel.example".parse().unwrap()]);
     let server = server::start(settings, routes()).await;
     let ask = |origin: &'static str| server.client.get(server.url("/items/a")).header("origin", origin).send();
     assert_eq!(ask("https://panel.example").await.unwrap().headers()["access-control-allow-origin"], "https://panel.example");

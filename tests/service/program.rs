@@ -27,16 +27,20 @@ fn ask(address: SocketAddr) -> Option<String> {
 
 #[test]
 fn all_faults_of_flags_and_variables_are_reported_at_once_with_both_names() {
-    let output = scallopd().args(["--listen", "nowhere", "--max-concurrent-work", "0"]).env("SCALLOPD_LOG_LEVEL", "loud").output().unwrap();
+    let output = scallopd().args(["--listen", "nowhere", "--max-json", "0"]).env("SCALLOPD_LOG_LEVEL", "loud").output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let text = text(&output);
-    for part in [
-        "--listen or SCALLOPD_LISTEN: \"nowhere\"",
-        "--max-concurrent-work or SCALLOPD_MAX_CONCURRENT_WORK: \"0\"",
-        "SCALLOPD_LOG_LEVEL: \"loud\"",
-    ] {
+    for part in ["--listen or SCALLOPD_LISTEN: \"nowhere\"", "--max-json or SCALLOPD_MAX_JSON: \"0\"", "SCALLOPD_LOG_LEVEL: \"loud\""] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
+}
+
+#[test]
+fn a_variable_that_no_setting_has_is_warned_of() {
+    let program = Program::run(scallopd().env("SCALLOPD_MAX_CONECTIONS", "7"));
+    program.signal("TERM");
+    let (_, log) = program.wait();
+    assert!(log.iter().any(|line| line["level"] == "WARN" && line["variable"] == "SCALLOPD_MAX_CONECTIONS"), "{log:?}");
 }
 
 #[test]

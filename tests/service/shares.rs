@@ -16,7 +16,7 @@ fn batch(contacts: usize, model: &str) -> Value {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn bodies_that_are_awaited_take_no_place_of_those_that_are_there() {
-    let server = TestApp::start_with(|settings| settings.http.max_concurrent_work = 1).await;
+    let server = TestApp::start_with(|settings| settings.max_concurrent_work = 1).await;
     let mut waiting = Vec::new();
     for index in 0..32 {
         let mut stream = server.connect().await;

@@ -499,7 +499,7 @@ class Server:
             **os.environ,
             "SCALLOPD_LISTEN": "127.0.0.1:0",
             "SCALLOPD_LOG_LEVEL": "info",
-            "SCALLOPD_MEMORY_BUDGET_BYTES": str(BUDGET_MIB << 20),
+            "SCALLOPD_MEMORY_BUDGET": f"{BUDGET_MIB}MiB",
             "SCALLOPD_REQUEST_TIMEOUT_S": "5",
             **settings,
         }

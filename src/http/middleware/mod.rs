@@ -26,7 +26,7 @@ use super::problem::Problem;
 use super::routes::RouteClass;
 use super::worker_pool::Work;
 use crate::memory_budget::MemoryBudget;
-use crate::settings::HttpSettings;
+use crate::settings::Settings;
 use body::{BodyProgress, BodyRules};
 use layer::{Middleware, MiddlewareLayer};
 use observe::Observe;
@@ -41,7 +41,7 @@ pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
 
 /// The middleware of one service.
 pub(super) struct Stack<'a> {
-    settings: &'a HttpSettings,
+    settings: &'a Settings,
     state: &'a AppState,
     /// Permits for requests in flight. Requests beyond them are refused, not queued, because a queue would delay every
     /// request.
@@ -49,7 +49,7 @@ pub(super) struct Stack<'a> {
 }
 
 impl<'a> Stack<'a> {
-    pub(super) fn new(settings: &'a HttpSettings, state: &'a AppState) -> Self {
+    pub(super) fn new(settings: &'a Settings, state: &'a AppState) -> Self {
         Self { settings, state, in_flight: Arc::new(Semaphore::new(settings.max_in_flight)) }
     }
 

@@ -19,11 +19,14 @@ use tokio::time::{Instant, timeout_at};
 use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
 use crate::http::routes::RouteClass;
-use crate::settings::HttpSettings;
+use crate::settings::Settings;
 use gzip::{decompressed, is_gzip};
 use limit::{LimitedBody, too_large};
 pub(super) use progress::BodyProgress;
 pub(super) use wire::{Pace, WireBody};
+
+/// The least average rate of a body, in bytes a second.
+const MIN_BODY_RATE: u64 = 1024;
 
 /// The rules for requests to the routes of one class.
 #[derive(Debug)]
@@ -35,11 +38,11 @@ pub(super) struct BodyRules {
 }
 
 impl BodyRules {
-    pub(super) fn new(class: RouteClass, settings: &HttpSettings) -> Self {
+    pub(super) fn new(class: RouteClass, settings: &Settings) -> Self {
         Self {
             max_bytes: class.max_body_bytes(settings),
-            request_timeout: settings.request_timeout,
-            pace: Pace { longest_stall: settings.body_idle_timeout, min_bytes_s: settings.min_body_rate },
+            request_timeout: settings.request_timeout_s,
+            pace: Pace { longest_stall: settings.client_timeout_s, min_bytes_s: MIN_BODY_RATE },
         }
     }
 

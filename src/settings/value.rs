@@ -1,51 +1,30 @@
-//! Faults of settings, and the parsers of single values.
+//! The parsers of single values.
 
 use std::fmt;
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use bytesize::ByteSize;
 use http::{HeaderValue, Uri};
 use tracing::level_filters::LevelFilter;
 
-use super::{CorsOrigins, LogFormat};
-
-/// A setting with an invalid value.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fault {
-    /// The variable's name, `SCALLOPD_*`, from which the flag's name is derived.
-    pub variable: &'static str,
-    /// The value given by the flag or the variable.
-    pub given: String,
-    /// The reason why the value is invalid.
-    pub reason: Reason,
+/// The form of a log line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogFormat {
+    /// For people at a terminal.
+    Pretty,
+    /// One JSON object on each line, for a log collector.
+    Json,
 }
 
-impl Fault {
-    /// The flag's name.
-    #[must_use]
-    pub fn flag(&self) -> String {
-        format!("--{}", self.variable.trim_start_matches("SCALLOPD_").to_lowercase().replace('_', "-"))
-    }
+/// The origins whose pages may call the service.
+#[derive(Debug, Clone, PartialEq)]
+pub enum CorsOrigins {
+    /// Any page.
+    Any,
+    /// Pages of these origins; none in an empty list.
+    Listed(Vec<HeaderValue>),
 }
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} or {}: {:?} {}", self.flag(), self.variable, self.given, self.reason)
-    }
-}
-
-/// All settings with invalid values.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Faults(pub Vec<Fault>);
-
-impl fmt::Display for Faults {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "these settings are invalid:")?;
-        self.0.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
-    }
-}
-
-impl std::error::Error for Faults {}
 
 /// The reason why a value is invalid.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,6 +37,11 @@ pub enum Reason {
         minimum: u64,
         /// The largest number accepted.
         maximum: u64,
+    },
+    /// It is not a size in bytes within the bounds.
+    Size {
+        /// The smallest size accepted, in bytes.
+        minimum: u64,
     },
     /// It is not one of these words.
     Word(&'static str),
@@ -74,22 +58,13 @@ impl fmt::Display for Reason {
         match self {
             Self::Address => write!(f, "is not an IP address with a port, such as 0.0.0.0:8080 or [::1]:8080"),
             Self::WholeNumber { minimum, maximum } => write!(f, "is not a whole number from {minimum} to {maximum}"),
+            Self::Size { minimum } => write!(f, "is not a size such as 64MB or 1GiB, from {} to 1 TiB", ByteSize(*minimum)),
             Self::Word(words) => write!(f, "is not one of {words}"),
             Self::Origin(item) => write!(f, "contains {item:?}, which is not an origin such as https://panel.example:8443"),
             Self::Collector => write!(f, "is not an address such as http://collector:4318 (http only: TLS belongs to a local collector)"),
             Self::NotBuiltIn => write!(f, "needs a build with the feature `otlp`"),
         }
     }
-}
-
-/// Parses `given` with `read`. If that fails, adds the fault and returns `None`.
-pub(super) fn take<T>(
-    faults: &mut Vec<Fault>,
-    variable: &'static str,
-    given: &str,
-    read: impl FnOnce(&str) -> Result<T, Reason>,
-) -> Option<T> {
-    read(given.trim()).map_err(|reason| faults.push(Fault { variable, given: given.to_owned(), reason })).ok()
 }
 
 fn whole(given: &str, minimum: u64, maximum: u64) -> Result<u64, Reason> {
@@ -105,14 +80,21 @@ pub(super) fn optional_address(given: &str) -> Result<Option<SocketAddr>, Reason
     if given.is_empty() { Ok(None) } else { address(given).map(Some) }
 }
 
-/// Sizes in bytes, up to a tebibyte.
-pub(super) fn bytes(given: &str) -> Result<u64, Reason> {
-    whole(given, 1, 1 << 40)
+/// Sizes up to a tebibyte, in bytes or with a unit: `64MB`, `1.5 GiB`.
+pub(super) fn size(given: &str) -> Result<u64, Reason> {
+    size_from(1, given)
 }
 
-/// Bytes a second; 0 sets no minimum.
-pub(super) fn rate(given: &str) -> Result<u64, Reason> {
-    whole(given, 0, 1 << 30)
+/// The smallest memory budget that leaves room for one ordinary request of each kind.
+const MIN_BUDGET: u64 = 64 << 20;
+
+pub(super) fn budget(given: &str) -> Result<u64, Reason> {
+    size_from(MIN_BUDGET, given)
+}
+
+fn size_from(minimum: u64, given: &str) -> Result<u64, Reason> {
+    let size = given.parse().map(|ByteSize(bytes)| bytes).ok();
+    size.filter(|bytes| (minimum..=1 << 40).contains(bytes)).ok_or(Reason::Size { minimum })
 }
 
 /// A count, from 1 to a million.
@@ -122,8 +104,17 @@ pub(super) fn count(given: &str) -> Result<usize, Reason> {
 }
 
 /// Whole seconds, up to a day.
-pub(super) fn seconds(minimum: u64) -> impl FnOnce(&str) -> Result<Duration, Reason> {
-    move |given| whole(given, minimum, 86_400).map(Duration::from_secs)
+pub(super) fn seconds(given: &str) -> Result<Duration, Reason> {
+    whole(given, 0, 86_400).map(Duration::from_secs)
+}
+
+pub(super) fn seconds_from_1(given: &str) -> Result<Duration, Reason> {
+    whole(given, 1, 86_400).map(Duration::from_secs)
+}
+
+/// Whole seconds; `None` for an empty text.
+pub(super) fn optional_seconds(given: &str) -> Result<Option<Duration>, Reason> {
+    if given.is_empty() { Ok(None) } else { seconds(given).map(Some) }
 }
 
 pub(super) fn log_format(given: &str) -> Result<LogFormat, Reason> {
@@ -183,24 +174,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fault_names_flag_variable_value_and_bounds() {
-        let mut faults = Vec::new();
-        assert_eq!(take(&mut faults, "SCALLOPD_MAX_IN_FLIGHT", "none", count), None);
-        let text = Faults(faults).to_string();
-        for part in ["--max-in-flight", "SCALLOPD_MAX_IN_FLIGHT", "\"none\"", "from 1 to 1000000"] {
-            assert!(text.contains(part), "{part} is not in {text}");
-        }
-    }
-
-    #[test]
     fn bounds_are_inclusive_and_nothing_is_clamped() {
         assert_eq!(count("1"), Ok(1));
         assert_eq!(count("1000000"), Ok(1_000_000));
         for wrong in ["0", "1000001", "-1", "1.5", "", "1e3"] {
             assert_eq!(count(wrong), Err(Reason::WholeNumber { minimum: 1, maximum: 1_000_000 }), "{wrong}");
         }
-        assert_eq!(seconds(0)("0"), Ok(Duration::ZERO));
-        assert!(seconds(1)("0").is_err());
+        assert_eq!(seconds("0"), Ok(Duration::ZERO));
+        assert!(seconds_from_1("0").is_err());
+        assert_eq!((optional_seconds(""), optional_seconds("7")), (Ok(None), Ok(Some(Duration::from_secs(7)))));
+    }
+
+    #[test]
+    fn sizes_have_units_of_thousands_and_of_1024() {
+        for (given, bytes) in [("64MB", 64_000_000), ("64 MiB", 64 << 20), ("1gib", 1 << 30), ("1.5kB", 1500), ("7", 7), ("1TiB", 1 << 40)]
+        {
+            assert_eq!(size(given), Ok(bytes), "{given}");
+        }
+        for wrong in ["", "0", "MB", "-1MB", "1 parsec", "2TiB", "1e400MB", "99999999999999999999"] {
+            assert_eq!(size(wrong), Err(Reason::Size { minimum: 1 }), "{wrong}");
+        }
+        assert!(budget("1MB").is_err());
     }
 
     #[test]
