@@ -1,0 +1,7 @@
+//! Tool paths: where the tip of a cutter can stand on a part, and lines along which it runs.
+
+mod bottom;
+mod drop_cutter;
+mod facet_tree;
+
+pub use drop_cutter::{DropCutter, Feature, Touch};
