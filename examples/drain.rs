@@ -35,12 +35,12 @@ async fn serve(settings: &Settings) -> Result<()> {
         "/v1/cutter-recommendation",
         post(drain),
     );
-    let app = App { router: http::service(routes, settings, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
+    let app = App { router: http::service(routes, settings, &state), refuse: http::refusals(&state) };
     let listener = tokio::net::TcpListener::bind(settings.listen).await?;
     // Lines of other programs than scallopd are filtered out.
     tracing::info!(target: "scallopd", address = %listener.local_addr()?, "listening");
     let signal = server::stop_signal()?;
-    server::serve(listener, app, settings, async { _ = signal.await }).await?;
+    server::serve(listener, app, settings, async { _ = signal.await }).await.cut().await;
     telemetry.stop();
     Ok(())
 }

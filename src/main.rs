@@ -90,12 +90,11 @@ fn run(settings: &Settings) -> std::io::Result<bool> {
 
 async fn serve(settings: &Settings) -> std::io::Result<()> {
     let state = AppState::start(settings)?;
-    let app =
-        |routes| App { router: http::service(routes, settings, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
+    let app = |routes| App { router: http::service(routes, settings, &state), refuse: http::refusals(&state) };
     let routes = if settings.health_listen.is_some() { http::public_routes() } else { http::routes() };
     let public = app(routes);
     let signal = server::stop_signal()?;
-    let listener = listen(settings.listen)?;
+    let listener = listen(settings.listen).map_err(|error| cannot_listen("--listen", settings.listen, &error))?;
     tracing::info!(address = %listener.local_addr()?, version = env!("CARGO_PKG_VERSION"), "listening");
     for variable in unknown_variables() {
         tracing::warn!(variable, "no setting has this variable");
@@ -107,10 +106,14 @@ async fn serve(settings: &Settings) -> std::io::Result<()> {
         state.readiness.drain();
         tokio::time::sleep(settings.drain_delay_s).await;
     };
-    let served = server::serve(listener, public, settings, stop).await;
+    let remaining = server::serve(listener, public, settings, stop).await;
+    if !remaining.is_empty() {
+        state.readiness.end();
+    }
+    remaining.cut().await;
     // Probes are answered until the last request has been answered.
     drop(health);
-    served
+    Ok(())
 }
 
 /// Listens at `address`. The queue absorbs bursts of connections; if it is full, clients try again after a second.
@@ -123,12 +126,16 @@ fn listen(address: SocketAddr) -> std::io::Result<TcpListener> {
     socket.listen(BACKLOG)
 }
 
+fn cannot_listen(flag: &str, address: SocketAddr, error: &std::io::Error) -> std::io::Error {
+    std::io::Error::new(error.kind(), format!("cannot listen on {address} ({flag}): {error}"))
+}
+
 /// Serves probes and metrics on a separate thread until the sender is dropped, so that they are answered under any
 /// load.
 fn serve_health(address: SocketAddr, app: App, settings: &Settings) -> std::io::Result<oneshot::Sender<()>> {
     let settings = Settings { max_in_flight: HEALTH_REQUESTS, shutdown_grace_s: Some(Duration::ZERO), ..settings.clone() };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    let listener = std::net::TcpListener::bind(address)?;
+    let listener = std::net::TcpListener::bind(address).map_err(|error| cannot_listen("--health-listen", address, &error))?;
     listener.set_nonblocking(true)?;
     let (stop, stopped) = oneshot::channel::<()>();
     tracing::info!(address = %listener.local_addr()?, "listening for probes");
@@ -136,7 +143,8 @@ fn serve_health(address: SocketAddr, app: App, settings: &Settings) -> std::io::
         runtime.block_on(async {
             let listener = TcpListener::from_std(listener)?;
             // An error means that the sender was dropped.
-            server::serve(listener, app, &settings, async { _ = stopped.await }).await
+            server::serve(listener, app, &settings, async { _ = stopped.await }).await.cut().await;
+            Ok::<_, std::io::Error>(())
         })
     };
     let log = move || {

@@ -5,7 +5,7 @@ use axum::routing::post;
 use scallopd::http::{RouteClass, Routes};
 
 use crate::app::{TestApp, defaults};
-use crate::service::server::{self, read_all, send, until};
+use crate::service::server::{self, until};
 use serde_json::json;
 
 const KIB: u64 = 1024;
@@ -42,36 +42,6 @@ async fn a_body_without_memory_at_this_moment_is_refused_with_a_retry() {
     assert!(server.metrics().await.contains("scallopd_memory_refusals_total 1\n"));
     drop(held);
     assert_eq!(send().await.unwrap().status(), 200);
-    until("its memory is free", async || server.state.budget.reserved() == 0).await;
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_head_in_pieces_is_reserved_until_it_is_complete() {
-    let server = start().await;
-    let mut stream = server.connect().await;
-    send(&mut stream, "GET /livez HTTP/1.1\r\nhost: test\r\nconnection: close\r\n").await;
-    for sent in 1..=2 {
-        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-        send(&mut stream, &format!("x-{sent}: {}\r\n", "x".repeat(4000))).await;
-        until("the head is reserved", async || server.state.budget.reserved() >= 4000 * sent).await;
-    }
-    assert!(server.state.budget.reserved() < 9000);
-    send(&mut stream, "\r\n").await;
-    assert!(read_all(&mut stream).await.starts_with("HTTP/1.1 200"));
-    until("its memory is free", async || server.state.budget.reserved() == 0).await;
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_head_in_pieces_without_memory_is_refused_with_a_retry() {
-    let server = start().await;
-    let held: Vec<_> = (0..2).map(|_| server.state.budget.reserve(127 * KIB).unwrap()).collect();
-    let mut stream = server.connect().await;
-    send(&mut stream, "GET /livez HTTP/1.1\r\nhost: test\r\nconnection: close\r\n").await;
-    tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-    send(&mut stream, &format!("x: {}\r\n", "x".repeat(4000))).await;
-    let answer = read_all(&mut stream).await;
-    assert!(answer.starts_with("HTTP/1.1 503") && answer.contains("retry-after: 1\r\n"), "{answer}");
-    drop(held);
     until("its memory is free", async || server.state.budget.reserved() == 0).await;
 }
 

@@ -68,7 +68,10 @@ fn an_address_in_use_ends_the_program_with_a_reason() {
     let program = Program::start(&[]);
     let second = scallopd().args(["--listen", &program.address.to_string()]).output().unwrap();
     assert_eq!(second.status.code(), Some(1));
-    assert!(text(&second).contains("in use"), "{}", text(&second));
+    let address = program.address.to_string();
+    for part in ["in use", "--listen", &address] {
+        assert!(text(&second).contains(part), "{part} is not in {}", text(&second));
+    }
     program.signal("TERM");
     assert_eq!(program.wait().0, Some(0));
 }
@@ -143,6 +146,23 @@ fn a_termination_under_load_loses_no_accepted_request() {
     assert!(begun.iter().all(|line| line["status"] == 200), "a request was given up");
     assert!(answered > 100, "that was no load: {answered}");
     assert_eq!(answered, begun.len());
+}
+
+#[test]
+fn a_request_that_is_cut_off_at_the_end_of_the_grace_is_logged_with_its_id() {
+    let program = Program::start(&["--shutdown-grace-s", "1"]);
+    let mut stream = TcpStream::connect(program.address).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    let head = "POST /v1/max-feed HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\nx-request-id: order-66\r\ncontent-length: 9\r\nexpect: 100-continue\r\n\r\n";
+    stream.write_all(head.as_bytes()).unwrap();
+    // The request has begun when the server asks for its body.
+    stream.read_exact(&mut [0; 25]).unwrap();
+    program.signal("TERM");
+    let (code, log) = program.wait();
+    assert_eq!(code, Some(0));
+    let of_request = log.iter().find(|line| line["request_id"] == "order-66").expect("a line");
+    assert_eq!((of_request["level"].as_str(), of_request["route"].as_str()), (Some("WARN"), Some("/v1/max-feed")));
+    assert!(of_request["message"].as_str().unwrap().contains("cut off"), "{of_request}");
 }
 
 #[test]

@@ -3,14 +3,14 @@
 
 mod body;
 mod browser;
-mod layer;
 mod observe;
 
 use std::sync::Arc;
 
 use axum::Router;
-use axum::extract::{DefaultBodyLimit, Request};
+use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::{StatusCode, Version, header};
+use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tower::ServiceBuilder;
@@ -28,8 +28,7 @@ use super::worker_pool::Work;
 use crate::memory_budget::MemoryBudget;
 use crate::settings::Settings;
 use body::{BodyProgress, BodyRules};
-use layer::{Middleware, MiddlewareLayer};
-use observe::Observe;
+use observe::{Observer, observe};
 
 /// Answers up to this size fit one packet: compressing them costs time and saves nothing.
 const MIN_COMPRESSED_BYTES: u16 = 1024;
@@ -54,16 +53,15 @@ impl<'a> Stack<'a> {
     }
 
     /// Wraps `router`, whose routes are all of `class`, in the middleware. From the outermost to the innermost:
-    /// 1. request id, log line and counters, which cover every other layer; the body is counted and its rate checked as
-    ///    it arrives;
+    /// 1. request id, log line and counters, which cover every other layer; the body is counted as it arrives;
     /// 2. errors become problems, whichever layer or handler they come from;
     /// 3. headers for browsers, on errors as well;
     /// 4. compression of answers;
     /// 5. panics become answers;
     /// 6. load shedding, before the body is read;
     /// 7. the request time-out;
-    /// 8. decompression of the body, and inside it the body limit, so that a small compressed body cannot expand
-    ///    without bound.
+    /// 8. the body's time-outs, its decompression, and inside it the body limit, so that a small compressed body cannot
+    ///    expand without bound.
     ///
     /// All layers are added as one service: the router would box each separate layer, and clone it with all inner
     /// layers for every request.
@@ -73,25 +71,24 @@ impl<'a> Stack<'a> {
         let work = class.uses_workers().then(|| Work::new(workers, budget.clone(), metrics.clone()));
         let in_flight = class.is_shed().then(|| Arc::clone(&self.in_flight));
         let admit = Admit { in_flight, metrics: metrics.clone(), work, rules: Arc::clone(&rules) };
-        let observe = Observe { class, metrics, readiness, pace: rules.pace, budget };
+        let observer = Observer { class, metrics, readiness, budget };
         let compression =
             CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(MIN_COMPRESSED_BYTES))));
         // Layer 8 replaces the framework's own body limit of 2 MB.
         let all = ServiceBuilder::new()
-            .layer(MiddlewareLayer(observe))
+            .layer(from_fn_with_state(observer, observe))
             .option_layer(browser::cors(&self.settings.cors_origins))
             .map_response(browser::secure)
             .layer(compression)
             .layer(CatchPanicLayer::custom(describe_panic))
-            .layer(MiddlewareLayer(admit))
-            .map_request(move |request| rules.decompress(request))
+            .layer(from_fn_with_state(Arc::new(admit), answer_admitted))
+            .map_request(move |request| rules.limit(request))
             .layer(DefaultBodyLimit::disable());
         router.layer(all)
     }
 }
 
-/// Layers 6 and 7.
-#[derive(Clone)]
+/// The limits of layers 6 and 7.
 struct Admit {
     /// `None` for routes that are answered under any load.
     in_flight: Option<Arc<Semaphore>>,
@@ -115,25 +112,17 @@ impl Admit {
     }
 }
 
-impl Middleware for Admit {
-    fn handle<F>(&self, mut request: Request, inner: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
-    where
-        F: Future<Output = Response> + Send + 'static,
-    {
-        let admitted = self.admit(&request).map(|permit| {
-            if let Some(work) = &self.work {
-                request.extensions_mut().insert(work.clone());
-            }
-            let progress = BodyProgress::of(&request);
-            (permit, body::answer_in_time(self.rules.request_timeout, progress, inner(request)))
-        });
-        async {
-            match admitted {
-                Ok((_permit, answer)) => answer.await,
-                Err(refusal) => refusal,
-            }
-        }
+/// Layers 6 and 7.
+async fn answer_admitted(State(admit): State<Arc<Admit>>, mut request: Request, next: Next) -> Response {
+    let _permit = match admit.admit(&request) {
+        Ok(permit) => permit,
+        Err(refusal) => return refusal,
+    };
+    if let Some(work) = &admit.work {
+        request.extensions_mut().insert(work.clone());
     }
+    let progress = BodyProgress::of(&request);
+    body::answer_in_time(admit.rules.request_timeout, progress, next.run(request)).await
 }
 
 /// Checks that an HTTP/1.1 request has one `Host` header (RFC 9112, section 3.2).

@@ -1,12 +1,14 @@
 //! The limit of a request body's size. A body over the limit ends with an error. Its bytes are reserved in the memory
 //! budget while they are in memory.
 
+use std::error::Error;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::task::{Context, Poll, ready};
 
 use axum::body::{Body, Bytes, HttpBody};
 use http_body::{Frame, SizeHint};
+use tower_http::timeout::TimeoutError;
 
 use super::progress::BodyProgress;
 use crate::http::codes::ServiceProblem;
@@ -33,6 +35,15 @@ pub(super) fn too_large(max_bytes: u64) -> Problem {
     Problem::new(ServiceProblem::TooLarge, format!("the body, counted decompressed, is larger than {max_bytes} bytes"))
 }
 
+/// The problem of a body that ends with `error`.
+fn unreadable(error: &(dyn Error + 'static)) -> Problem {
+    let mut causes = std::iter::successors(Some(error), |&error| error.source());
+    if causes.any(<dyn Error>::is::<TimeoutError>) {
+        return Problem::new(ServiceProblem::Timeout, "the body arrived too slowly, or no data of it for too long");
+    }
+    Problem::new(ServiceProblem::UnreadableBody, format!("the body could not be read: {error}"))
+}
+
 impl HttpBody for LimitedBody {
     type Data = Bytes;
     type Error = Problem;
@@ -42,8 +53,7 @@ impl HttpBody for LimitedBody {
             None => return Poll::Ready(None),
             Some(Ok(frame)) => frame,
             Some(Err(error)) => {
-                let fault = Problem::new(ServiceProblem::UnreadableBody, format!("the body could not be read: {error}"));
-                return Poll::Ready(Some(Err(self.progress.note_fault(fault))));
+                return Poll::Ready(Some(Err(self.progress.note_fault(unreadable(&error)))));
             }
         };
         let length = frame.data_ref().map_or(0, |data| data.len() as u64);
