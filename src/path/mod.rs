@@ -1,9 +1,26 @@
-//! Tool paths: where the tip of a cutter can stand on a part, and lines along which it runs.
+//! Tool paths: where the tip of a cutter can stand on a part, lines along which it runs, moves, and what they leave on a
+//! surface.
 
+mod body;
 mod bottom;
+mod climbing;
 mod drop_cutter;
 mod facet_tree;
+mod finish;
+mod milled;
+mod move_grid;
+mod moves;
+mod places;
+mod random;
+mod standing;
+#[cfg(test)]
+mod tests;
 mod tip_line;
 
 pub use drop_cutter::{DropCutter, Feature, Touch};
+pub use finish::{Finish, OVER, Residual, Share, Spot};
+pub use milled::{Left, Milled};
+pub use moves::{Move, MoveKind};
+pub use places::{Place, Places};
+pub use standing::{Obstacles, Reach};
 pub use tip_line::{Tip, tips_between, tips_of_lines};
