@@ -4,6 +4,7 @@
 mod body;
 mod bottom;
 mod climbing;
+mod contour;
 mod drop_cutter;
 mod facet_tree;
 mod finish;
@@ -17,6 +18,7 @@ mod standing;
 mod tests;
 mod tip_line;
 
+pub use contour::{Area, Contour, borders, waterlines};
 pub use drop_cutter::{DropCutter, Feature, Touch};
 pub use finish::{Finish, OVER, Residual, Share, Spot};
 pub use milled::{Left, Milled};
