@@ -244,12 +244,13 @@ impl Query {
         }
         let stand = self.bottom.on_plane(node.tangent);
         let plane = node.plane_at(self.at);
+        let on_whole_plane = plane + stand.rise;
         let [x, y] = self.contact(node.gradient, node.tangent, stand);
-        let mut on_plane = f64::NEG_INFINITY;
         let (is_beside, is_before) = (x < node.min[0] || x > node.max[0], y < node.min[1] || y > node.max[1]);
-        if !is_beside && !is_before {
-            on_plane = plane + stand.rise;
+        if on_whole_plane <= enough || !is_beside && !is_before {
+            return on_box.min(on_whole_plane);
         }
+        let mut on_plane = f64::NEG_INFINITY;
         // As on a facet, the plane's part in the box is touched on an edge towards the contact.
         for (is_beyond, across, along) in [(is_beside, 0, 1), (is_before, 1, 0)] {
             if is_beyond {
