@@ -19,6 +19,10 @@ const MIB: u64 = 1 << 20;
 /// The largest input in bytes that needs no share: the requests in flight bound the memory of small ones.
 pub(crate) const FREE_INPUT: u64 = 64 * 1024;
 
+/// The largest batch in bytes that needs no share, so that it does not wait behind long ones: the permits for work bound
+/// their memory.
+const FREE_BATCH: u64 = 2 * MIB;
+
 /// A kind of job with the figures that determine its memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Job {
@@ -57,7 +61,7 @@ impl Job {
     /// |---|---|
     /// | body | its length |
     /// | upload | its length up to 56 MiB for facets, and twice its length up to 128 MiB for vertices |
-    /// | batch | 1 MiB, and 800 for each contact: rows as sent, columns and text |
+    /// | batch | 1 MiB, and 400 for each contact, half of it the answer |
     /// | recommendation | 4 MiB, 3 MiB a thread, 64 KiB a cutter, 800 for each facet, and 3 for each byte of JSON |
     #[must_use]
     pub fn bytes(self) -> u64 {
@@ -65,7 +69,7 @@ impl Job {
         match self {
             Self::Body { bytes } => bytes,
             Self::Upload { bytes } => bytes.min(56 * MIB) + bytes.saturating_mul(2).min(128 * MIB),
-            Self::Batch { contacts } => MIB + saturating(contacts, 800),
+            Self::Batch { contacts } => MIB + saturating(contacts, 400),
             Self::Plan { json, facets, cutters, threads } => [(threads, 3 * MIB), (cutters, 64 * 1024), (facets, 800), (json, 3)]
                 .into_iter()
                 .fold(4 * MIB, |sum, (count, each)| sum.saturating_add(saturating(count, each))),
@@ -145,6 +149,7 @@ impl Budget {
             Job::Body { .. } => (&[inputs][..], job.bytes()),
             // One upload never takes all, so that others and bodies arrive beside it.
             Job::Upload { .. } => (&[inputs][..], job.bytes().min(u64::from(inputs.size) * MIB / 2)),
+            Job::Batch { .. } if job.bytes() <= FREE_BATCH => (&[][..], 0),
             Job::Batch { .. } => (&[work][..], job.bytes()),
             // First its turn among recommendations, so that it does not wait before batches in the queue for work. No
             // recommendation takes more than their part.
@@ -220,8 +225,8 @@ mod tests {
     async fn a_share_is_held_until_it_is_dropped_and_can_shrink() {
         let budget = Budget::new(512 * MIB);
         let mut held = budget.take(Job::Batch { contacts: 250_000 }, NOW).await.unwrap();
-        // 1 MiB and 250 000 times 800 bytes, 190.7 MiB.
-        assert_eq!(budget.held(), 192 * MIB);
+        // 1 MiB and 250 000 times 400 bytes, 95.4 MiB.
+        assert_eq!(budget.held(), 97 * MIB);
         held.shrink_to(3 * MIB + 1);
         assert_eq!(budget.held(), 4 * MIB);
         drop(held);
@@ -250,8 +255,12 @@ mod tests {
         tokio::task::yield_now().await;
         // A quarter of 320 MiB.
         let batch = budget.take(Job::Batch { contacts: 100_000 }, NOW).await.unwrap();
-        assert_eq!(batch.budget.held(), (240 + 78) * MIB);
-        drop(largest);
+        assert_eq!(batch.budget.held(), (240 + 40) * MIB);
+        // A short batch does not wait behind others.
+        let rest = budget.take(Job::Batch { contacts: 100_000 }, NOW).await.unwrap();
+        assert!(budget.take(Job::Batch { contacts: 100_000 }, NOW).await.is_err());
+        assert!(budget.take(Job::Batch { contacts: 1000 }, NOW).await.is_ok());
+        drop((largest, rest));
         assert!(waiting.await.unwrap().is_ok());
     }
 

@@ -1,5 +1,5 @@
 //! Compression of answers with gzip. Large answers are compressed by the worker that writes them (see
-//! [`WrittenJson`](super::body::WrittenJson)), all others by the layer here, in short pieces of work: never on a thread
+//! [`WrittenJson`](super::json_body::WrittenJson)), all others by the layer here, in short pieces of work: never on a thread
 //! that serves connections, which could answer nobody meanwhile.
 
 use std::io::Write;
@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn bytes_come_back_whole_and_a_cancelled_compression_stops() {
-        let plain: Vec<u8> = (0..1_000_000_u32).flat_map(|number| number.to_le_bytes()).collect();
+        let plain: Vec<u8> = (0..1_000_000_u32).flat_map(u32::to_le_bytes).collect();
         let mut compressor = Compressor::new();
         let mut file = Vec::new();
         for half in plain.chunks(plain.len() / 2) {

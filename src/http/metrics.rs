@@ -173,7 +173,7 @@ fn in_older_format(page: &str) -> String {
                     "info" => ("_info", "gauge"),
                     _ => ("", kind),
                 };
-                older += &format!("# HELP {name}{suffix} {help}\n# TYPE {name}{suffix} {kind}\n");
+                older.extend(["# HELP ", name, suffix, " ", help, "\n# TYPE ", name, suffix, " ", kind, "\n"]);
             }
             _ => {
                 older += line;

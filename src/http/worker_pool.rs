@@ -8,7 +8,7 @@ use axum::http::request::Parts;
 use axum::response::{IntoResponse, Response};
 use tokio::time::Instant;
 
-use super::body::WrittenJson;
+use super::json_body::WrittenJson;
 use super::metrics::Metrics;
 use super::overload::Overload;
 use super::problem::Problem;
