@@ -48,6 +48,8 @@ impl fmt::Display for ArchiveFault {
     }
 }
 
+impl std::error::Error for ArchiveFault {}
+
 impl ArchiveFault {
     /// Whether a limit was exceeded; otherwise the format is violated.
     pub(crate) fn is_limit(&self) -> bool {

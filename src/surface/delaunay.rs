@@ -48,7 +48,10 @@ impl<'a> Delaunay<'a> {
 
     /// The edges, each in one direction, as two points.
     pub(super) fn edges(&self) -> impl Iterator<Item = [u32; 2]> {
-        (0..self.origin.len()).step_by(2).filter(|edge| self.origin[*edge] != DELETED).map(|edge| [self.origin[edge], self.origin[edge + 1]])
+        (0..self.origin.len())
+            .step_by(2)
+            .filter(|edge| self.origin[*edge] != DELETED)
+            .map(|edge| [self.origin[edge], self.origin[edge + 1]])
     }
 
     /// The triangles, counter-clockwise.

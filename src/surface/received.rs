@@ -27,6 +27,14 @@ impl ReceivedSurface {
     }
 }
 
+impl ReceivedSurface {
+    /// Leaves out facets that have the same corners as another one, as [`MeshBuilder::leave_out_duplicates`].
+    pub(crate) fn leave_out_duplicates(&mut self) {
+        let Self { sampled, mesh } = self;
+        mesh.leave_out_duplicates(|corners| sampled.leave_out(corners));
+    }
+}
+
 impl<M: Sink> Sink for Received<M> {
     fn point(&mut self, point: [f64; 3]) {
         self.sampled.point(point);

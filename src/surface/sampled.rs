@@ -58,6 +58,15 @@ impl SampledSurface {
         Self::sums_about(&mut self.sums, point).points.add_sample(point, normal, length(normal));
     }
 
+    /// Takes a facet that was added out of the sums again. The box around the surface stays.
+    pub fn leave_out(&mut self, corners: [[f64; 3]; 3]) {
+        if let Some(sums) = &mut self.sums
+            && let Some((piece, twice, area)) = sums.piece_of(corners)
+        {
+            piece.remove_facet(corners, twice, area);
+        }
+    }
+
     /// Adds the sums of `other`, as if its points and facets had followed.
     pub fn merge(&mut self, other: &Self) {
         self.poison += other.poison;
@@ -124,12 +133,20 @@ impl Sums {
 
     #[inline]
     fn add_facet(&mut self, corners: [[f64; 3]; 3]) {
+        match self.piece_of(corners) {
+            Some((piece, normal, area)) => piece.add_facet(corners, normal, area),
+            None => self.degenerate += 1,
+        }
+    }
+
+    /// The piece that a facet belongs to, a vector along the facet's normal, and its area; `None` if it has no area.
+    #[inline]
+    fn piece_of(&mut self, corners: [[f64; 3]; 3]) -> Option<(&mut Piece, [f64; 3], f64)> {
         let [a, b, c] = corners;
         let twice = cross(difference(b, a), difference(c, a));
         let doubled = length(twice);
         if doubled == 0.0 {
-            self.degenerate += 1;
-            return;
+            return None;
         }
         // A facet with NaN is no wall, and makes the sums NaN.
         let limit = WALL * doubled;
@@ -140,7 +157,7 @@ impl Sums {
         } else {
             &mut self.level
         };
-        piece.add_facet(corners, twice, 0.5 * doubled);
+        Some((piece, twice, 0.5 * doubled))
     }
 
     fn merge(&mut self, other: &Self) {
@@ -271,6 +288,25 @@ mod tests {
         surface.facet([[0.0; 3], [1.0; 3], [2.0; 3]]);
         assert_eq!(surface.degenerate_facets(), 2);
         assert_eq!(shape(&surface), before);
+    }
+
+    #[test]
+    fn a_facet_that_is_left_out_again_changes_nothing() {
+        let facets = solid_box();
+        let mut surface = of_facets(&facets);
+        let before = surface.clone();
+        for facet in &facets {
+            surface.facet(*facet);
+        }
+        for facet in &facets {
+            surface.leave_out(*facet);
+        }
+        for facing in [Facing::Up, Facing::Any] {
+            let [one, other] = [&surface, &before].map(|surface| surface.shape(Unit::Millimetre, facing).unwrap());
+            assert_eq!((one.elements, one.bounds), (other.elements, other.bounds));
+            assert_relative_eq!(one.area.unwrap().mm2(), other.area.unwrap().mm2(), max_relative = 1e-14);
+            assert_relative_eq!(one.form_factor.ratio(), other.form_factor.ratio(), max_relative = 1e-12);
+        }
     }
 
     #[test]

@@ -18,6 +18,22 @@ pub(super) enum Shape {
 const BALL_TOLERANCE: f64 = 1e-2;
 
 impl Shape {
+    /// The shape that a type's name in a library or catalogue states, in any case and with any separators; `None` for a
+    /// tool that is not one of these.
+    pub(super) fn named(kind: &str) -> Option<Self> {
+        let words: Vec<String> = kind.split(|c: char| c.is_whitespace() || matches!(c, '_' | '-')).map(str::to_lowercase).collect();
+        let name: String = words.concat().replace("nosed", "nose");
+        // With or without "end mill" after it.
+        let bare = ["endmill", "mill", "cutter"].iter().find_map(|suffix| name.strip_suffix(suffix)).unwrap_or(&name);
+        match bare {
+            "ball" | "ballend" | "ballnose" => Some(Self::Ball),
+            "toroidal" | "toroid" | "torus" | "bull" | "bullend" | "bullnose" | "cornerradius" => Some(Self::BullNose),
+            "flat" | "flatend" | "square" | "squareend" => Some(Self::Flat),
+            "" if name == "endmill" => Some(Self::Flat),
+            _ => None,
+        }
+    }
+
     /// The cutter of this shape. A ball-end cutter needs no corner radius. A bull-nose cutter with a corner radius of
     /// half the diameter is a ball-end cutter; one with a stated corner radius of 0 is a flat-end cutter.
     ///
@@ -42,6 +58,39 @@ impl Shape {
             (Self::BullNose, Some(radius)) => Cutter::toroidal(diameter, radius).map_err(|_| {
                 Flaw::out_of_range(format!("a corner radius of at most half the diameter, {}", shown(half)), shown(radius.mm()))
             }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_names_of_catalogues_and_programs_are_known() {
+        for (shape, names) in [
+            (Shape::Ball, "ball,Ball End,ball_end,ballnose,ball nose,Ball-Nose,ball nosed end mill,BALL END MILL,ballend,ball endmill"),
+            (Shape::BullNose, "toroidal,torus,bull nose,bullnose,bull-nose end mill,Bullnose Endmill,corner radius,Corner Radius End Mill"),
+            (Shape::Flat, "flat,flat end,flat_end,Flat End Mill,end mill,endmill,End-Mill,square,Square End,square end mill"),
+        ] {
+            for name in names.split(',') {
+                assert_eq!(Shape::named(name), Some(shape), "{name}");
+            }
+        }
+        for name in [
+            "",
+            "mill",
+            "cutter",
+            "drill",
+            "tapered ball",
+            "tapered ball nose",
+            "chamfer mill",
+            "face mill",
+            "lollipop",
+            "thread mill",
+            "ball track",
+        ] {
+            assert_eq!(Shape::named(name), None, "{name}");
         }
     }
 }

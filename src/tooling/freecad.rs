@@ -134,12 +134,9 @@ impl Tool {
 
     fn read(&self, number: Option<u32>) -> Result<ReadTool, Flaws> {
         let kind = self.kind()?;
-        let shape = match kind.to_lowercase().as_str() {
-            "ballend" => Shape::Ball,
-            "bullnose" | "torus" => Shape::BullNose,
-            "endmill" => Shape::Flat,
-            _ => return Ok(ReadTool::Other(kind)),
-        };
+        // The Better Tool Library imports tools of Fusion under names such as `_fusion_ball_end_mill`.
+        let bare = kind.trim_start_matches('_').to_lowercase();
+        let Some(shape) = Shape::named(bare.strip_prefix("fusion_").unwrap_or(&bare)) else { return Ok(ReadTool::Other(kind)) };
         let parameters = self.parameter.as_ref().ok_or_else(|| Flaw::missing("the dimensions of the cutter").of_member("parameter"))?;
         let mut flaws = Flaws::default();
         let cutter = flaws.take(parameters.cutter(shape));

@@ -70,12 +70,7 @@ impl TypeAlone {
 
 /// The shape of the finishing cutters of this type.
 fn shape_of(kind: &str) -> Option<Shape> {
-    match kind.trim().to_lowercase().as_str() {
-        "ball end mill" => Some(Shape::Ball),
-        "bull nose end mill" => Some(Shape::BullNose),
-        "flat end mill" => Some(Shape::Flat),
-        _ => None,
-    }
+    Shape::named(kind)
 }
 
 /// A tool. Members that are not named here are skipped.

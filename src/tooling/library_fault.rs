@@ -181,7 +181,13 @@ impl Flaw {
     /// is shortened.
     pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &serde_json::Error) -> Self {
         let error = JsonError::from(error);
-        Self::malformed(expected, format!("{} at line {} column {}", shortened(error.message()), error.line(), error.column()))
+        // The parser names the program's own type after what it found.
+        let message = error.message();
+        let found = match message.strip_prefix("invalid type: ").and_then(|found| found.split_once(", expected ")) {
+            Some((found, _)) => format!("{found}, a value of another type"),
+            None => message.to_owned(),
+        };
+        Self::malformed(expected, format!("{} at line {} column {}", shortened(&found), error.line(), error.column()))
     }
 
     pub(super) fn too_large(expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {

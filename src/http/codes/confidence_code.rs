@@ -30,6 +30,7 @@ codes! {
         SteepArea = "steep-area": "Part of the area is too steep for the spacing of passes", "Finish the walls in a separate operation.";
         HiddenArea = "hidden-area": "Part of the selected area is hidden from above (undersides of closed solids are not counted)", "Machine it in another set-up.";
         InconsistentOrientation = "inconsistent-orientation": "Part of the facets face the other way than the rest", "Repair the mesh: unify the orientation of its facets.";
+        UnitUnlikely = "unit-unlikely": "The size of the part suggests that its file is in another unit", "State unit.";
         OverTolerance = "over-tolerance": "Part of the area exceeds the scallop height", "Look at the map of scallop heights; reduce the scallop height.";
     }
 }

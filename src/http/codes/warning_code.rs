@@ -19,6 +19,10 @@ codes! {
         TurnedOver = "turned-over": "The surface was assumed to be upside down", "Check the orientation of the facets.";
         WallsOnly = "walls-only": "All facets are vertical", "Check the file's axes: Z is the tool axis.";
         FurtherColumns = "further-columns": "Columns other than x, y and z were left out", "Check that the first three columns are the coordinates.";
+        PointFarOutside = "point-far-outside": "A coordinate is far outside of all others", "Look at the line; a number such as -9999 stands for a missing measurement, and its point must be left out.";
+        VolumesLeftOut = "volumes-left-out": "Volumes that a slicer's settings exclude from the part were left out", "None is needed; if a volume belongs to the part, export the part as STL.";
+        DuplicateFacets = "duplicate-facets": "Facets that occur more than once were counted once", "Check whether a body is in the file twice.";
+        UnitUnlikely = "unit-unlikely": "The size of the part suggests another unit", "State unit.";
         TrailingBytes = "trailing-bytes": "Bytes after the end of the data were left out", "Check that the file's count is right.";
         OtherElements = "other-elements": "Elements other than vertices and faces were left out", "None is needed.";
         MissingPoints = "missing-points": "Points without coordinates were left out", "None is needed; scanners write them for measurements without an echo.";

@@ -15,6 +15,7 @@ mod plan;
 mod recommendation;
 mod shape;
 mod simulation;
+mod unit_doubt;
 mod upload;
 
 use super::examples::examples;

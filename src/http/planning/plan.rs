@@ -8,6 +8,7 @@ use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
 use super::simulation::{Simulation, report};
+use super::unit_doubt::UnitDoubt;
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -28,6 +29,8 @@ pub(super) struct Task {
     machined: Option<MachinedSurface>,
     source: Source,
     pub(super) warnings: Vec<Warning>,
+    /// The doubt about the unit that was assumed.
+    unit_doubt: Option<UnitDoubt>,
 }
 
 impl Task {
@@ -43,6 +46,11 @@ impl Task {
         let shape = sourced.surface.sampled.shape(unit, parameters.facing);
         let shape = shape.map_err(|error| faults.add(path, shape_code(error), error))?;
         let mut warnings = sourced.warnings(&shape);
+        let smallest = parameters.candidates.iter().map(|named| 2.0 * named.candidate.cutter.outer_radius().mm()).reduce(f64::min);
+        // A unit that the file or the request states is believed.
+        let is_assumed = parameters.unit.is_none() && sourced.is_file() && sourced.unit.is_none();
+        let unit_doubt = smallest.filter(|_| is_assumed).and_then(|smallest| UnitDoubt::about(&shape, unit, smallest));
+        warnings.extend(unit_doubt.as_ref().map(UnitDoubt::warning));
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let Parameters { facing, ref selection, max_slope, method, .. } = parameters;
         let machined = match MachinedSurface::new(mesh, unit, facing, selection, max_slope, stop) {
@@ -65,7 +73,7 @@ impl Task {
                 return Err(faults.add(path, RequestFault::SizeOutOfRange, detail));
             }
         }
-        Ok(Self { parameters, shape, machined, source, warnings })
+        Ok(Self { parameters, shape, machined, source, warnings, unit_doubt })
     }
 
     /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer must be discarded.
@@ -153,7 +161,7 @@ impl Task {
             critical_form_factor: published.map(|plan| plan.critical_form_factor.form_factor().ratio()),
             map: None,
             passes: None,
-            confidence,
+            confidence: confidence.doubting(self.unit_doubt.as_ref()),
             warnings: self.warnings,
         }
     }

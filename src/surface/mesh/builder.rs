@@ -34,6 +34,7 @@ pub struct MeshBuilder {
     cloud: PointCloud,
     facets: u64,
     left_out: LeftOut,
+    duplicates: u64,
     bounds: Bounds,
     turned_over: bool,
     cancel: CancelFlag,
@@ -79,6 +80,7 @@ impl MeshBuilder {
             cloud: PointCloud::new(limit / 2),
             facets: 0,
             left_out: LeftOut::default(),
+            duplicates: 0,
             bounds: Bounds::NONE,
             turned_over: false,
             cancel: CancelFlag::default(),
@@ -90,6 +92,42 @@ impl MeshBuilder {
     #[must_use]
     pub fn with_cancel_flag(self, cancel: &CancelFlag) -> Self {
         Self { cancel: cancel.clone(), cloud: self.cloud.with_cancel_flag(cancel), ..self }
+    }
+
+    /// Leaves out facets that have the same corners as an earlier one, in the same order around the facet, and passes
+    /// them to `each`. Facets that were merged on a lattice are not compared: there, a second one changes nothing.
+    pub fn leave_out_duplicates(&mut self, mut each: impl FnMut([[f64; 3]; 3])) {
+        let first_smallest = |[a, b, c]: [u32; 3]| match a.min(b).min(c) {
+            least if least == a => [a, b, c],
+            least if least == b => [b, c, a],
+            _ => [c, a, b],
+        };
+        let mut sorted: Vec<([u32; 3], u32)> = self.triangles.iter().map(|triangle| first_smallest(*triangle)).zip(0..).collect();
+        sorted.sort_unstable();
+        let mut duplicates: Vec<u32> = sorted.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1).collect();
+        if duplicates.is_empty() {
+            return;
+        }
+        duplicates.sort_unstable();
+        for &duplicate in &duplicates {
+            let mut corners = self.triangles[duplicate as usize].map(|corner| self.welder.points()[corner as usize]);
+            if self.turned_over {
+                corners.swap(1, 2);
+            }
+            each(corners);
+        }
+        let mut number = 0;
+        self.triangles.retain(|_| {
+            number += 1;
+            duplicates.binary_search(&(number - 1)).is_err()
+        });
+        self.duplicates += duplicates.len() as u64;
+    }
+
+    /// The number of facets that [`MeshBuilder::leave_out_duplicates`] has left out.
+    #[must_use]
+    pub fn duplicate_facets(&self) -> u64 {
+        self.duplicates
     }
 
     /// Whether a facet with an area was added.

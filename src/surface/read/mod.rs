@@ -11,6 +11,7 @@
 //! needed returns one.
 
 mod decimal;
+mod extremes;
 mod faces;
 mod fault;
 mod format;
@@ -43,7 +44,7 @@ use utf_16::Utf16;
 pub const DEFAULT_VERTEX_LIMIT: usize = 20_000_000;
 
 /// The result of reading a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
     /// The format, detected by the content.
     pub format: Format,
@@ -59,7 +60,7 @@ pub struct Summary {
 }
 
 /// Counts of data that a reader left out, or accepted although they are unusual; 0 for a regular file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Notes {
     /// Text and PCD: the columns other than x, y and z in the first line of data.
     pub further_columns: u64,
@@ -72,8 +73,27 @@ pub struct Notes {
     pub crossed_polygons: u64,
     /// PCD: points without coordinates (`nan`), which scanners write if there was no echo.
     pub missing_points: u64,
+    /// Text and PCD: a number far outside of all others of its axis, which may stand for a missing measurement.
+    pub far_outside: Option<FarOutside>,
+    /// 3MF: the volumes that a slicer's settings exclude from the part, each by kind and name; at most 10.
+    pub volumes: Vec<String>,
     /// ASCII STL: the file ends inside a solid, at the end of a facet. It may have been cut off.
     pub missing_end: bool,
+}
+
+/// A coordinate far outside of all others of its axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FarOutside {
+    /// The line of the first point with it.
+    pub line: u64,
+    /// The axis: 0, 1 or 2 for x, y or z.
+    pub axis: usize,
+    /// The coordinate, in the file's unit.
+    pub value: f64,
+    /// The number of points with it.
+    pub points: u64,
+    /// The smallest and the largest of the others.
+    pub others: [f64; 2],
 }
 
 /// Reads one file, whatever its format.
@@ -140,7 +160,7 @@ impl Reader {
             Family::StlBinary => stl::read_binary(input, sink),
             Family::Obj => obj::read(input, self.vertex_limit, sink),
             Family::Ply => ply::read(input, self.vertex_limit, sink),
-            Family::ThreeMf => three_mf::read(input, self.archive_limit, self.package_vertex_limit, sink),
+            Family::ThreeMf => three_mf::read(input, self, sink),
         }
     }
 }

@@ -5,6 +5,7 @@
 //! a measurement; they are counted and left out. Binary data are refused.
 
 use super::decimal::{Decimals, names_no_finite_number};
+use super::extremes::Extremes;
 use super::fault::{FaultKind, Flaw, ReadError, quoted};
 use super::input::Input;
 use super::words::{Words, trimmed};
@@ -16,9 +17,9 @@ const MOST_FIELDS: usize = 1000;
 /// Reads a PCD file.
 pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
     let mut content = Content::default();
-    input.each_line(|line, _| content.line(line, sink))?;
+    input.each_line(|line, number| content.line(line, number, sink))?;
     let number = input.number_at_end();
-    let Content { data, stated, points, missing, trailing_bytes, .. } = content;
+    let Content { data, stated, extremes, points, missing, trailing_bytes, .. } = content;
     let end = "the end of the file";
     let flaw = match data {
         None => Flaw::new(FaultKind::Truncated, "a header that ends with DATA", end),
@@ -28,7 +29,9 @@ pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, Re
         }
         Some(_) if points == 0 => Flaw::new(FaultKind::Empty, "a point", end),
         Some(Data { width, .. }) => {
-            let notes = Notes { further_columns: (width - 3) as u64, missing_points: missing, trailing_bytes, ..Notes::default() };
+            let far_outside = extremes.far_outside();
+            let notes =
+                Notes { further_columns: (width - 3) as u64, missing_points: missing, trailing_bytes, far_outside, ..Notes::default() };
             return Ok(Summary { format: Format::Pcd, points, facets: 0, unit: None, notes });
         }
     };
@@ -45,6 +48,7 @@ struct Content {
     stated: Option<u64>,
     data: Option<Data>,
     decimals: Decimals,
+    extremes: Extremes,
     points: u64,
     missing: u64,
     trailing_bytes: u64,
@@ -59,7 +63,7 @@ struct Data {
 }
 
 impl Content {
-    fn line(&mut self, line: &[u8], sink: &mut dyn Sink) -> Result<(), Flaw> {
+    fn line(&mut self, line: &[u8], number: u64, sink: &mut dyn Sink) -> Result<(), Flaw> {
         let line = trimmed(line);
         if line.is_empty() || line[0] == b'#' {
             return Ok(());
@@ -84,9 +88,10 @@ impl Content {
             self.missing += 1;
             return Ok(());
         }
-        let mut number = |word| self.decimals.coordinate(word, "a number");
-        let point = [number(x)?, number(y)?, number(z)?];
+        let mut coordinate = |word| self.decimals.coordinate(word, "a number");
+        let point = [coordinate(x)?, coordinate(y)?, coordinate(z)?];
         self.points += 1;
+        self.extremes.add(point, number);
         sink.point(point);
         Ok(())
     }

@@ -5,7 +5,7 @@
 //! yields three numbers. A line `sep=;` states it. The decimal mark is a point, or a comma if the comma does not
 //! separate columns; the first coordinate with a mark determines it. A header may name the columns x, y and z, in any
 //! order and case, and their unit. It may be a comment, and a row of units may follow it. Without a header, x, y and z
-//! are the first three columns. Every line after a header must have as many columns as the header. A line with one
+//! are the first three columns. Every line must have as many columns as the header or the first line. A line with one
 //! whole number before the points is their count, as in PTS. Lines that are blank or begin with `#` or `//` are
 //! comments.
 //!
@@ -14,8 +14,10 @@
 mod ambiguity;
 mod evidence;
 mod layout;
+mod probe;
 mod table_header;
 
+use super::extremes::Extremes;
 use super::fault::{FaultKind, Flaw, ReadError};
 use super::input::Input;
 use super::words::{trimmed, trimmed_start};
@@ -23,6 +25,7 @@ use super::{Format, Notes, Sink, Summary};
 use crate::surface;
 use ambiguity::Ambiguity;
 use layout::{Layout, Separator};
+use probe::{Probe, Verdict};
 use std::borrow::Cow;
 use table_header::Header;
 
@@ -30,6 +33,10 @@ use table_header::Header;
 pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
     let mut table = Table::default();
     input.each_line(|line, number| table.line(line, number, sink))?;
+    table.probe.flush(&mut table.points, &mut table.extremes, sink);
+    if let Some(flaw) = table.probe.flaw(table.points) {
+        return Err(flaw.into());
+    }
     if table.points == 0 {
         return Err(Flaw::new(FaultKind::Empty, "three numbers", "the end of the file").at_line(input.number_at_end()).into());
     }
@@ -41,7 +48,7 @@ pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, Re
     if let Some((flaw, line)) = table.ambiguity.as_ref().and_then(|ambiguity| ambiguity.flaw(table.points, has_mark)) {
         return Err(flaw.at_line(line).into());
     }
-    let notes = Notes { further_columns: table.further_columns, ..Notes::default() };
+    let notes = Notes { further_columns: table.further_columns, far_outside: table.extremes.far_outside(), ..Notes::default() };
     Ok(Summary { format: Format::Text, points: table.points, facets: 0, unit: table.unit, notes })
 }
 
@@ -57,6 +64,8 @@ struct Table {
     count: Option<(u64, u64)>,
     layout: Option<Layout>,
     ambiguity: Option<Ambiguity>,
+    probe: Probe,
+    extremes: Extremes,
     points: u64,
     further_columns: u64,
 }
@@ -65,6 +74,7 @@ impl Table {
     fn line(&mut self, line: &[u8], number: u64, sink: &mut dyn Sink) -> Result<(), Flaw> {
         let content = trimmed_start(line);
         if content.is_empty() {
+            self.probe.blank();
             return Ok(());
         }
         if content[0] == b'#' || content.starts_with(b"//") {
@@ -84,14 +94,30 @@ impl Table {
             if matches!(cleaned, Cow::Owned(_)) && self.layout.is_some_and(|layout| layout.separator == Separator::Blanks) {
                 refuse_mixed_blanks(line)?;
             }
-            self.points += 1;
-            sink.point(point);
+            self.pass(point, line, number, sink)?;
             return Ok(());
         };
         if let Some(ambiguity) = &mut self.ambiguity {
             ambiguity.look_at(&without_hard_blanks(line));
         }
+        self.pass(point, line, number, sink)
+    }
+
+    /// Passes the point of a line on, unless it may be a line before a grid.
+    fn pass(&mut self, point: [f64; 3], line: &[u8], number: u64, sink: &mut dyn Sink) -> Result<(), Flaw> {
+        if self.probe.is_open() && self.header.is_none() && self.count.is_none() {
+            match self.probe.add(point, number) {
+                Verdict::Held => return Ok(()),
+                Verdict::Points => self.probe.flush(&mut self.points, &mut self.extremes, sink),
+                Verdict::Grid => {
+                    // Only the lines after the header show what the columns are.
+                    let layout = self.layout.unwrap_or_else(|| unreachable!("the first point has set it"));
+                    self.ambiguity = Some(Ambiguity::about(line, layout.separator, number)?);
+                }
+            }
+        }
         self.points += 1;
+        self.extremes.add(point, number);
         sink.point(point);
         Ok(())
     }
@@ -123,7 +149,9 @@ impl Table {
             let fields = separator.fields(line).count();
             let header = self.header.or_else(|| self.comment.filter(|comment| comment.width == fields || comment.width == 3));
             let columns = header.map_or([(0, 0), (1, 1), (2, 2)], |header| header.columns);
-            let mut layout = Layout { separator: *separator, mark: None, columns, width: self.header.map(|header| header.width) };
+            let is_last_empty = fields > 3 && separator.fields(line).last().is_some_and(<[u8]>::is_empty);
+            let width = self.header.map_or(fields - usize::from(is_last_empty), |header| header.width);
+            let mut layout = Layout { separator: *separator, mark: None, columns, width, is_named: self.header.is_some() };
             match layout.point(line) {
                 Ok(point) => {
                     if header.is_none() && self.count.is_none() {

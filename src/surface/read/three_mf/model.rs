@@ -47,6 +47,8 @@ pub(super) struct Reference {
     /// The model file of the object, if it is another file.
     pub(super) path: Option<Arc<str>>,
     pub(super) transform: Transform,
+    /// Whether a slicer's build item is printed.
+    pub(super) is_printable: bool,
 }
 
 /// An affine map of row vectors: (x, y, z, 1) multiplied by a matrix of four rows and three columns, stored row by row.
@@ -319,7 +321,8 @@ impl Parser<'_> {
 fn reference(element: &Element) -> Result<Reference, Flaw> {
     let transform = element.attribute("transform").map_or(Ok(Transform::IDENTITY), |text| Transform::stated(&text))?;
     let path = element.attribute("path").map(|path| path.trim_start_matches('/').into());
-    Ok(Reference { object: number(element, "objectid")?, path, transform })
+    let is_printable = element.attribute("printable").is_none_or(|printable| printable.trim() != "0");
+    Ok(Reference { object: number(element, "objectid")?, path, transform, is_printable })
 }
 
 fn number(element: &Element, attribute: &'static str) -> Result<u32, Flaw> {

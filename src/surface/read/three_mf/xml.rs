@@ -29,9 +29,9 @@ const ELEMENTS_AT_ONCE: usize = 1 << 14;
 
 /// Passes the elements of a file to `each`.
 pub(super) fn read(package: &mut Package, path: &str, mut each: impl FnMut(Event<'_>) -> Result<(), Flaw>) -> Result<(), ReadError> {
-    let Package { archive, input } = package;
     let missing = || Flaw::new(FaultKind::Malformed, "this file in the package", "nothing").in_entry(path, 0);
-    let entry = archive.file(path).ok_or_else(missing)?.to_owned();
+    let entry = package.file(path).ok_or_else(missing)?.to_owned();
+    let Package { archive, input } = package;
     let limits = archive.limits();
     let content = archive.read(&entry).map_err(|fault| package_flaw(&fault).in_entry(path, 0))?;
     let mut reader = Reader::from_reader(Metered { inner: BufReader::with_capacity(1 << 16, content), read: 0 });
@@ -83,9 +83,11 @@ impl Element<'_> {
         local(self.0.name().into_inner())
     }
 
-    /// The value of the attribute of this name, with any prefix.
+    /// The value of the attribute of this name, with any prefix, without entities.
     pub(super) fn attribute(&self, name: &str) -> Option<String> {
-        self.attributes().find(|(key, _)| local(key) == name).map(|(_, value)| value.into_owned())
+        let (_, value) = self.attributes().find(|(key, _)| local(key) == name)?;
+        // A value with a damaged entity is taken as it is.
+        Some(quick_xml::escape::unescape(&value).map_or_else(|_| value.to_string(), Cow::into_owned))
     }
 
     /// All attributes, with their prefixes.
