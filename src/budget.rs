@@ -23,6 +23,14 @@ pub(crate) const FREE_INPUT: u64 = 64 * 1024;
 /// their memory.
 const FREE_BATCH: u64 = 2 * MIB;
 
+/// The longest time that a body, a batch or another request waits for memory and for a permit. Dozens of batches sent
+/// at the same time are answered within it.
+pub(crate) const LONGEST_WAIT: Duration = Duration::from_secs(5);
+
+/// The longest time that an upload or a recommendation waits. After a refusal, a client would have to send its file
+/// again. Of dozens of recommendations at the same time, each of some 0.1 s, the last waits a few seconds.
+pub(crate) const LONGEST_WAIT_OF_PLAN: Duration = Duration::from_secs(20);
+
 /// A kind of job with the figures that determine its memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Job {

@@ -5,8 +5,7 @@ use http_body_util::BodyExt;
 
 use super::codes::ServiceProblem;
 use super::problem::Problem;
-use super::worker_pool::LONGEST_WAIT;
-use crate::budget::{Budget, FREE_INPUT, Held, Job};
+use crate::budget::{Budget, FREE_INPUT, Held, Job, LONGEST_WAIT};
 
 /// The number of bytes collected before the task yields: less than a millisecond of decompression.
 const TURN: usize = 64 * 1024;

@@ -12,7 +12,7 @@ use super::json_body::WrittenJson;
 use super::metrics::Metrics;
 use super::overload::Overload;
 use super::problem::Problem;
-use crate::budget::{Budget, Job};
+use crate::budget::{Budget, Job, LONGEST_WAIT, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
 use crate::worker_pool::{WorkPermit, WorkerPool};
 
@@ -25,14 +25,6 @@ pub struct Work {
     /// Whether the client accepts compressed answers.
     compresses: bool,
 }
-
-/// The longest time that a body, a batch or another request waits for memory and for a permit. Dozens of batches sent
-/// at the same time are answered within it.
-pub(crate) const LONGEST_WAIT: Duration = Duration::from_secs(5);
-
-/// The longest time that an upload or a recommendation waits. After a refusal, a client would have to send its file
-/// again. Of dozens of recommendations at the same time, each of some 0.1 s, the last waits a few seconds.
-pub(crate) const LONGEST_WAIT_OF_PLAN: Duration = Duration::from_secs(20);
 
 impl Work {
     pub(crate) fn new(workers: WorkerPool, budget: Budget, metrics: Metrics) -> Self {
