@@ -82,8 +82,8 @@ mod tests {
         assert_eq!(doubt(0.06, Unit::Millimetre, 6.0).as_deref(), Some(metres));
         for (side, unit, smallest, likely) in [
             (0.3, Unit::Millimetre, 2.0, "\"m\" (300 mm)"),
-            (1.5, Unit::Millimetre, 6.0, "\"m\" (1500 mm) or \"in\" (38.1 mm) or \"cm\" (15 mm)"),
-            (4.0, Unit::Millimetre, 6.0, "\"in\" (101.6 mm) or \"cm\" (40 mm)"),
+            (1.5, Unit::Millimetre, 6.0, "\"m\" (1500 mm) or \"inch\" (38.1 mm) or \"cm\" (15 mm)"),
+            (4.0, Unit::Millimetre, 6.0, "\"inch\" (101.6 mm) or \"cm\" (40 mm)"),
             (0.0002, Unit::Metre, 1.0, "state `unit`"),
             (0.05, Unit::Inch, 3.0, "\"m\" (50 mm)"),
         ] {
