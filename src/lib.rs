@@ -100,6 +100,7 @@ pub mod memory_budget;
 pub mod milling;
 pub mod motion;
 pub mod numerics;
+pub mod path;
 pub mod planning;
 mod priority;
 pub mod quantity;

@@ -1,0 +1,29 @@
+//! Tool paths: where the tip of a cutter can stand on a part, lines along which it runs, moves, and what they leave on a
+//! surface.
+
+mod body;
+mod bottom;
+mod climbing;
+mod contour;
+mod drop_cutter;
+mod facet_tree;
+mod finish;
+mod milled;
+mod move_grid;
+mod moves;
+mod places;
+mod random;
+mod standing;
+#[cfg(test)]
+mod tests;
+mod tip_line;
+
+pub use climbing::Spot;
+pub use contour::{Area, Contour, borders, waterlines};
+pub use drop_cutter::{DropCutter, Feature, Touch};
+pub use finish::{Finish, OVER, Residual, Share};
+pub use milled::{Left, Milled};
+pub use moves::{Move, MoveKind};
+pub use places::{Place, Places};
+pub use standing::{Obstacles, Reach};
+pub use tip_line::{Tip, tips_between, tips_of_lines};

@@ -1,0 +1,226 @@
+//! The path of the tip over a line that is straight seen from above.
+
+use super::drop_cutter::{DropCutter, Touch};
+use crate::milling::Profile;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+/// The shortest distance between two samples in mm. A part of the line this short over which the height changes by more
+/// than the tolerance is a vertical step.
+const SHORTEST: f64 = 1e-4;
+
+/// The share of the chord tolerance for what chords between samples miss; the other half is for leaving samples out.
+const SAMPLING_SHARE: f64 = 0.5;
+
+/// A position of the tip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tip {
+    /// x, y, z in mm.
+    pub position: [f64; 3],
+    /// What the cutter touches there; `None` where it stands on the floor that the caller gave, and at the height of a
+    /// step's upper end on the place of its lower.
+    pub touch: Option<Touch>,
+}
+
+impl Tip {
+    /// The position as a vector.
+    #[must_use]
+    pub fn vector(&self) -> Vector3<f64> {
+        Vector3::from(self.position)
+    }
+}
+
+/// The tips along the straight line `from` to `to`, both ends included. The chords between consecutive tips are at most
+/// `chord_tolerance` (over 0, in mm) under T, the height on which the tip stands, where they would cut into the part, and
+/// at most that much over T.
+///
+/// A vertical step becomes two tips at its lower, free side, so that no chord crosses the part: the line rises before the
+/// step or falls behind it, by less than 1e-4 mm. Where no facet is in reach the tip is at `floor`; without a floor there
+/// are no tips, and consecutive ones may be far apart.
+///
+/// **Samples.** Whatever the cutter touches, T bends downwards over it no more sharply than the cutter's own profile. Over a
+/// feature between two samples at the distance d, which neither touches, T is therefore at most d^2/(8 r cos phi) over the
+/// chord, with r the smallest radius of the profile and phi the slope of the contact: at most the tolerance up to 75 deg for
+/// d = sqrt(2 r tolerance). Between samples T is compared with its tangents at both, which the contacts' normals give: where
+/// it bends one way it is between chord and tangents.
+#[must_use]
+pub fn tips_between(
+    drop: &DropCutter,
+    profile: &Profile,
+    from: [f64; 2],
+    to: [f64; 2],
+    chord_tolerance: f64,
+    floor: Option<f64>,
+) -> Vec<Tip> {
+    let line = Line::new(drop, profile, [from, to], floor);
+    simplified(line.samples(chord_tolerance), (1.0 - SAMPLING_SHARE) * chord_tolerance)
+}
+
+/// [`tips_between`] for several lines, each from its first point to its second, with all threads. If `stop` returns true
+/// the result is incomplete and to be discarded.
+#[must_use]
+pub fn tips_of_lines(
+    drop: &DropCutter,
+    profile: &Profile,
+    lines: &[[[f64; 2]; 2]],
+    chord_tolerance: f64,
+    floor: Option<f64>,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Vec<Vec<Tip>> {
+    let tips = |line: &[[f64; 2]; 2]| {
+        if stop() { Vec::new() } else { tips_between(drop, profile, line[0], line[1], chord_tolerance, floor) }
+    };
+    lines.par_iter().map(tips).collect()
+}
+
+/// The distance in mm between samples from which refinement starts: sqrt(2 r tolerance), at least R/50; R/20 for a profile
+/// of corners.
+pub(super) fn first_step(profile: &Profile, tolerance: f64) -> f64 {
+    let radius = profile.outer_radius();
+    let radii = profile.arcs().iter().map(|arc| arc.radius).filter(|r| *r > 0.0);
+    match radii.min_by(f64::total_cmp) {
+        Some(r) => (2.0 * r * tolerance).sqrt().clamp(radius / 50.0, radius / 5.0),
+        None => radius / 20.0,
+    }
+}
+
+/// A place on the line.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    /// The distance from the line's start.
+    s: f64,
+    /// Height and slope of T along the line; `None` if no facet is in reach and there is no floor.
+    height: Option<[f64; 2]>,
+    touch: Option<Touch>,
+}
+
+struct Line<'a> {
+    drop: &'a DropCutter,
+    profile: &'a Profile,
+    start: [f64; 2],
+    direction: [f64; 2],
+    length: f64,
+    floor: Option<f64>,
+}
+
+impl<'a> Line<'a> {
+    fn new(drop: &'a DropCutter, profile: &'a Profile, [from, to]: [[f64; 2]; 2], floor: Option<f64>) -> Self {
+        let along = [to[0] - from[0], to[1] - from[1]];
+        let length = along[0].hypot(along[1]);
+        let direction = if length > 0.0 { along.map(|part| part / length) } else { [1.0, 0.0] };
+        Self { drop, profile, start: from, direction, length, floor }
+    }
+
+    fn place(&self, s: f64) -> [f64; 2] {
+        [self.start[0] + s * self.direction[0], self.start[1] + s * self.direction[1]]
+    }
+
+    fn sample(&self, s: f64, near: Option<&Sample>) -> Sample {
+        let [x, y] = self.place(s);
+        let guess = near.and_then(|near| near.touch).map(|touch| touch.facet);
+        let touch = self.drop.drop(self.profile, x, y, guess);
+        let height = match touch {
+            Some(touch) => {
+                let uphill = -(touch.normal.x * self.direction[0] + touch.normal.y * self.direction[1]);
+                // At a vertical contact a slope of 1e9 is as good as infinite, and can be multiplied by 0.
+                Some([touch.height, (uphill / touch.normal.z.max(1e-9)).clamp(-1e9, 1e9)])
+            }
+            None => self.floor.map(|floor| [floor, 0.0]),
+        };
+        Sample { s, height, touch }
+    }
+
+    /// The tips, close enough for chords to keep their share of the tolerance.
+    fn samples(&self, tolerance: f64) -> Vec<Tip> {
+        let parts = (self.length / first_step(self.profile, tolerance)).ceil().max(1.0);
+        let step = self.length / parts;
+        let mut last = self.sample(0.0, None);
+        let mut tips = Vec::new();
+        tips.extend(self.tip(&last));
+        let mut ahead = Vec::new();
+        let mut part = 0.0;
+        while part < parts && self.length > 0.0 {
+            part += 1.0;
+            ahead.push(self.sample(if part < parts { part * step } else { self.length }, Some(&last)));
+            // `last` and the end of `ahead` bound the next part of the line; the others wait in reverse order.
+            while let Some(next) = ahead.last().copied() {
+                let is_fine = Self::keeps(&last, &next, SAMPLING_SHARE * tolerance);
+                if !is_fine && next.s - last.s > SHORTEST {
+                    ahead.push(self.sample(0.5 * (last.s + next.s), Some(&last)));
+                    continue;
+                }
+                if let (false, Some([low, _]), Some([high, _])) = (is_fine, last.height, next.height)
+                    && (high - low).abs() > SAMPLING_SHARE * tolerance
+                {
+                    let lower = if low < high { last.s } else { next.s };
+                    let [x, y] = self.place(lower);
+                    tips.push(Tip { position: [x, y, low.max(high)], touch: None });
+                }
+                tips.extend(self.tip(&next));
+                last = next;
+                ahead.pop();
+            }
+        }
+        tips
+    }
+
+    fn tip(&self, sample: &Sample) -> Option<Tip> {
+        let [x, y] = self.place(sample.s);
+        sample.height.map(|[height, _]| Tip { position: [x, y, height], touch: sample.touch })
+    }
+
+    /// Whether T is within the tolerance of the chord between two samples, as far as its tangents there tell.
+    fn keeps(a: &Sample, b: &Sample, tolerance: f64) -> bool {
+        let (Some([low, first]), Some([high, last])) = (a.height, b.height) else { return a.height.is_none() && b.height.is_none() };
+        let distance = b.s - a.s;
+        if a.touch.is_some() != b.touch.is_some() && (high - low).abs() > tolerance {
+            return false;
+        }
+        let chord = (high - low) / distance;
+        // The tangents leave the chord at these slopes. If T bends one way it is between the chord and the tangents, which
+        // meet on one side; else it may follow a tangent for half of the distance. Twice the tolerance is left for a T that
+        // seems to bend one way and does not, as where it rises beside one sample and is straight from there.
+        let (leaving, arriving) = (first - chord, chord - last);
+        let astray = 0.5 * distance * leaving.abs().max(arriving.abs());
+        let deviation =
+            if leaving * arriving > 0.0 { (distance * leaving * arriving / (leaving + arriving)).abs().max(0.5 * astray) } else { astray };
+        deviation <= tolerance
+    }
+}
+
+/// Leaves out tips as long as the chords keep within `tolerance` of those left out. Both tips of a vertical step stay.
+fn simplified(tips: Vec<Tip>, tolerance: f64) -> Vec<Tip> {
+    const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+    let mut kept: Vec<Tip> = Vec::with_capacity(tips.len());
+    let mut waiting: Option<Tip> = None;
+    // The slopes of lines from the last tip kept that pass all since within the tolerance.
+    let mut slopes = ANY;
+    for tip in tips {
+        if let (Some(anchor), Some(skipped)) = (kept.last(), waiting) {
+            let (run, rise) = run_and_rise(anchor, &tip);
+            let is_step = run_and_rise(&skipped, &tip).0 <= 0.0;
+            if is_step || !(slopes[0]..=slopes[1]).contains(&(rise / run)) {
+                kept.push(skipped);
+                slopes = ANY;
+            }
+        }
+        let (run, rise) = kept.last().map_or((0.0, 0.0), |anchor| run_and_rise(anchor, &tip));
+        if run > 0.0 {
+            slopes = [slopes[0].max((rise - tolerance) / run), slopes[1].min((rise + tolerance) / run)];
+            waiting = Some(tip);
+        } else {
+            kept.push(tip);
+            (waiting, slopes) = (None, ANY);
+        }
+    }
+    kept.extend(waiting);
+    kept
+}
+
+fn run_and_rise(from: &Tip, to: &Tip) -> (f64, f64) {
+    let [x, y, z] = [0, 1, 2].map(|axis| to.position[axis] - from.position[axis]);
+    (x.hypot(y), z)
+}
+
+#[cfg(test)]
+mod tests;
