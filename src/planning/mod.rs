@@ -5,11 +5,10 @@
 //! simulates the passes on the surface itself.
 
 mod confidence;
-pub(crate) mod machined_surface;
-pub mod memory;
-pub mod reach;
+
+
 pub mod rectangle;
-pub mod zigzag;
+pub mod plan;
 
 pub use confidence::{Confidence, Level, Reason};
 pub use rectangle::{

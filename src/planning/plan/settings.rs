@@ -17,7 +17,7 @@ pub enum Pattern {
 
 /// The settings of a ranking.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ZigzagSettings {
+pub struct PlanSettings {
     /// The scallop height to keep: of step-over and tooth marks together for cutters with a drive, of the step-over
     /// alone for others.
     pub scallop_height: Length,
@@ -36,13 +36,11 @@ pub struct ZigzagSettings {
     pub left_out_share: f64,
     /// The largest share of the area that a ranked cutter may leave uncut.
     pub max_uncut_share: f64,
-    /// The largest number of candidates that are planned at once, each of which takes memory.
-    pub candidates_at_once: usize,
     /// The shape of the surface, for the comparison with the published method; `None` omits the comparison.
     pub shape: Option<Shape>,
 }
 
-impl ZigzagSettings {
+impl PlanSettings {
     /// Zigzag in all directions, spaced by model `envelope`, with the usual limits: slopes up to 85 deg, a thousandth
     /// of each strip left out, half a per cent of the area uncut.
     #[must_use]
@@ -56,7 +54,6 @@ impl ZigzagSettings {
             directions: Directions::All { beside: Vec::new() },
             left_out_share: 0.001,
             max_uncut_share: 0.005,
-            candidates_at_once: usize::MAX,
             shape: None,
         }
     }

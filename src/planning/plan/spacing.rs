@@ -2,8 +2,8 @@
 
 use super::candidate::FeedRange;
 use super::slopes::{SlopePlace, sines};
-use super::workpiece::Tangent;
-use crate::milling::{Contact, Cutter, CutterKind, CuttingLimits, EvaluatedPass, Model, NoAnswer, Pass, Runout, SurfaceCurvature};
+use super::tangent::Tangent;
+use crate::milling::{Contact, Cutter, CuttingLimits, EvaluatedPass, Model, NoAnswer, Pass, Profile, Runout, SurfaceCurvature};
 use crate::quantity::Length;
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ const COLUMNS: usize = 24;
 /// linear. The result is reduced by [`CutterSpacing::MARGIN`], which is more than the error of the interpolation.
 #[derive(Debug, Clone)]
 pub(super) struct CutterSpacing {
-    cutter: Cutter,
+    profile: Profile,
     /// 8 h, which turns a squared spacing into a curvature.
     eight_heights: f64,
     diameter_squared: f64,
@@ -29,7 +29,7 @@ pub(super) struct CutterSpacing {
 #[derive(Debug, Clone)]
 enum Law {
     /// The chord of a circle of the effective radius, 2 sqrt(2 P h - h^2).
-    Circle { core: f64, corner: f64, height: f64 },
+    Circle { height: f64 },
     /// The same step-over along the surface everywhere.
     Constant { squared: f64 },
     /// Squared spacings seen from above, row by row.
@@ -39,8 +39,7 @@ enum Law {
 /// The feed as a function of the spacing.
 #[derive(Debug, Clone)]
 pub(super) enum FeedLaw {
-    /// One feed rate everywhere, in mm/s: the machine's, or that of the largest feed per tooth if this is the best at
-    /// every contact.
+    /// One feed rate everywhere, in mm/s: the machine's, for a cutter without a drive.
     Constant { rate: f64 },
     /// Feeds from a table.
     Table(FeedTable),
@@ -93,21 +92,20 @@ impl CutterSpacing {
         let h = height.mm();
         // The diameter less a rounding error of single precision, so that passes still overlap.
         let diameter = 2.0 * cutter.outer_radius().mm() * (1.0 - 1e-6);
-        let (law, feed_law) = match (cutter.kind(), model, feeds) {
-            (_, Model::Analytic, None) | (CutterKind::BallEnd, _, None) => (
-                Law::Circle { core: cutter.core_radius().mm(), corner: cutter.corner_radius().mm(), height: h },
-                FeedLaw::Constant { rate: feed_rate },
-            ),
-            (CutterKind::BallEnd, _, Some(range)) => {
+        let profile = cutter.profile();
+        let is_ball = profile.arcs().len() == 1 && profile.arcs()[0].centre_offset == 0.0;
+        let (law, feed_law) = match (is_ball, model, feeds) {
+            (_, Model::Analytic, None) | (true, _, None) => (Law::Circle { height: h }, FeedLaw::Constant { rate: feed_rate }),
+            (true, _, Some(range)) => {
                 // A ball-end cutter leaves the same height at every slope and in every direction.
                 let best = best_step_over(cutter, Contact::from_degrees(0.0, 0.0).ok(), model, height, Some(range.largest), diameter);
                 let (step_over, feed) = best.map_or((0.0, range.largest), |best| (best.step_over, best.feed_per_tooth));
-                (Law::Constant { squared: step_over * step_over }, constant_or_table(range, vec![[feed, share(step_over, cutter, h)]]))
+                (Law::Constant { squared: step_over * step_over }, FeedLaw::Table(FeedTable { range, nodes: vec![[feed, share(step_over, cutter, h)]] }))
             }
             _ => tabulated(inputs),
         };
         let on_curved = model == Model::Envelope;
-        (Self { cutter, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
+        (Self { profile, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
     }
 
     /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 if no spacing keeps the
@@ -117,11 +115,13 @@ impl CutterSpacing {
         let ratio_squared = tangent.ratio_squared(cos_alpha);
         let on_plane = match &self.law {
             Law::Constant { squared } => squared * ratio_squared,
-            Law::Circle { core, corner, height } => {
+            Law::Circle { height } => {
+                let arc = self.profile.arc_at(tangent.slope());
+                let (core, corner) = (arc.centre_offset, arc.radius);
                 // R_eff = core cos^2(theta) / sin(S) + r with cos^2(theta) = cos^2(alpha) / ratio^2; infinite on a
                 // floor.
                 let bent = core * cos_alpha * cos_alpha / (tangent.sin * ratio_squared);
-                let radius = if *core > 0.0 { bent + corner } else { *corner };
+                let radius = if core == 0.0 { corner } else { bent + corner };
                 if radius.is_nan() || radius > 1e12 {
                     self.diameter_squared
                 } else if radius >= *height {
@@ -147,10 +147,11 @@ impl CutterSpacing {
         if steepest == 0.0 && twist == 0.0 && level == 0.0 {
             return on_plane;
         }
-        let (core, corner) = (self.cutter.core_radius().mm(), self.cutter.corner_radius().mm());
+        let arc = self.profile.arc_at(tangent.slope());
+        let (core, corner) = (arc.centre_offset, arc.radius);
         // n/q = 1/((R - r)/sin(S) + r), the body's curvature along the level line; 1/r for a ball at every slope. All
         // quadratic forms are multiplied by q, so that a single division is needed.
-        let (n, q) = if core > 0.0 { (tangent.sin, core + corner * tangent.sin) } else { (1.0, corner) };
+        let (n, q) = if core != 0.0 { (tangent.sin, core + corner * tangent.sin) } else { (1.0, corner) };
         // Twice the quadratic forms of the body, and of body and surface, along the feed, multiplied by r q. The feed's
         // direction in the tangent plane is (cos(alpha)/cos(S), sin(alpha)); its squared length cancels with the ratio
         // of d to s, except for cos^2(S).
@@ -184,9 +185,24 @@ impl FeedLaw {
     }
 }
 
+impl FeedLaw {
+    /// The part of the scallop height that the step-over leaves; tooth marks leave the rest.
+    pub(super) fn step_over_share(&self, tangent: &Tangent, cos_alpha: f64) -> f64 {
+        match self {
+            Self::Constant { .. } => 1.0,
+            Self::Table(table) => table.node(tangent, cos_alpha)[1],
+        }
+    }
+}
+
 impl FeedTable {
+    /// The feed per tooth at the best step-over, and the share of the scallop height that this step-over leaves.
+    fn node(&self, tangent: &Tangent, cos_alpha: f64) -> [f64; 2] {
+        if self.nodes.len() == 1 { self.nodes[0] } else { interpolated_pair(&self.nodes, tangent.place, cos_alpha) }
+    }
+
     fn rate(&self, tangent: &Tangent, cos_alpha: f64, taken_of_allowed: f64) -> f64 {
-        let [feed, share] = if self.nodes.len() == 1 { self.nodes[0] } else { interpolated_pair(&self.nodes, tangent.place, cos_alpha) };
+        let [feed, share] = self.node(tangent, cos_alpha);
         let gain = ((1.0 - share * taken_of_allowed.min(1.0)) / (1.0 - share)).sqrt();
         self.range.rate((feed * gain).min(self.range.largest))
     }
@@ -224,18 +240,9 @@ fn tabulated(inputs: &SpacingInputs) -> (Law, FeedLaw) {
     let squared = nodes.iter().map(|&(_, squared)| kept * kept * squared).collect();
     let feed_law = match feeds {
         None => FeedLaw::Constant { rate: feed_rate },
-        Some(range) => constant_or_table(range, nodes.into_iter().map(|(pair, _)| pair).collect()),
+        Some(range) => FeedLaw::Table(FeedTable { range, nodes: nodes.into_iter().map(|(pair, _)| pair).collect() }),
     };
     (Law::Table { squared }, feed_law)
-}
-
-/// One feed rate if every node has the largest feed, otherwise the table.
-fn constant_or_table(range: FeedRange, nodes: Vec<[f64; 2]>) -> FeedLaw {
-    if nodes.iter().all(|&[feed, _]| feed >= range.largest) {
-        FeedLaw::Constant { rate: range.rate(range.largest) }
-    } else {
-        FeedLaw::Table(FeedTable { range, nodes })
-    }
 }
 
 /// The squared ratio of a ball-end cutter's step-over to the one without tooth marks, 2 sqrt(2 R h - h^2).
@@ -321,7 +328,7 @@ fn interpolated_pair(nodes: &[[f64; 2]], place: SlopePlace, cos_alpha: f64) -> [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planning::zigzag::slopes::place_of;
+    use crate::planning::plan::slopes::place_of;
 
     /// Pseudo-random numbers, the same in each run.
     fn random(state: &mut u64) -> f64 {
@@ -331,7 +338,7 @@ mod tests {
 
     fn tangent(slope: f64) -> Tangent {
         let (sin, cos) = slope.to_radians().sin_cos();
-        Tangent { down_hill: [1.0, 0.0], sin, cos, per_cos: cos.recip(), curvature: [0.0; 3], place: place_of(sin), is_steep: false }
+        Tangent { down_hill: [1.0, 0.0], sin, cos, per_cos: cos.recip(), curvature: [0.0; 3], place: place_of(sin) }
     }
 
     /// The least and the largest ratio of the interpolated spacing to the model's, for random cutters, heights, slopes

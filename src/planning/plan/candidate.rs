@@ -1,8 +1,7 @@
-//! A candidate cutter: its shape, its drive (teeth, spindle speed, feed limit) and its reach.
+//! A candidate cutter: its shape and its drive (teeth, spindle speed, feed limit).
 
 use crate::milling::Cutter;
 use crate::motion::Machine;
-use crate::planning::reach::Uncut;
 use crate::quantity::{Length, SpindleSpeed};
 
 /// A candidate of the ranking.
@@ -15,15 +14,13 @@ pub struct CandidateCutter {
     pub drive: Option<Drive>,
     /// The length of the flutes.
     pub flute_length: Option<Length>,
-    /// The part that the cutter cannot reach; `None` if it is not known.
-    pub reach: Option<ReachFigures>,
 }
 
 impl CandidateCutter {
-    /// A cutter without drive, flute length and reach.
+    /// A cutter without drive and flute length.
     #[must_use]
     pub fn new(cutter: Cutter) -> Self {
-        Self { cutter, drive: None, flute_length: None, reach: None }
+        Self { cutter, drive: None, flute_length: None }
     }
 }
 
@@ -36,23 +33,6 @@ pub struct Drive {
     pub spindle_speed: SpindleSpeed,
     /// The cutter maker's limit on the feed per tooth.
     pub max_feed_per_tooth: Option<Length>,
-}
-
-/// The part of a surface that a cutter cannot reach.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ReachFigures {
-    /// The share of the area that stays uncut, 0 to 1.
-    pub uncut_share: f64,
-    /// The largest height that stays uncut.
-    pub uncut_height: Length,
-    /// The error of that height, due to the raster on which it was computed.
-    pub uncut_height_error: Length,
-}
-
-impl From<&Uncut> for ReachFigures {
-    fn from(uncut: &Uncut) -> Self {
-        Self { uncut_share: uncut.share, uncut_height: uncut.height, uncut_height_error: uncut.height_error }
-    }
 }
 
 /// The feeds that a drive allows on a machine.

@@ -1,6 +1,6 @@
 //! The confidence in the ranking of simulated plans, and the reasons that lower it.
 
-use super::plan::ZigzagPlan;
+use super::ranking::CandidatePlan;
 use super::workpiece::SurfaceFigures;
 use crate::planning::{Confidence, Level, Reason};
 use crate::quantity::Length;
@@ -47,9 +47,12 @@ pub enum SurfaceWeakness {
     /// Some facets have the opposite orientation, so that the mesh does not show on which side the part is. Figure:
     /// their share of the area.
     InconsistentOrientation,
-    /// In the recommended plan, more than a thousandth of the area exceeds the scallop height by more than 3 %, or has
-    /// no height because passes do not overlap or the cutter gouges. Figure: that share.
+    /// The recommended plan leaves more than half a per cent of the area, of what the cutter can reach, higher than 1.02 of
+    /// the scallop height. Figure: that share.
     OverTolerance,
+    /// The recommended plan cuts into the part deeper than two fifths of the scallop height. Figure: the depth over the
+    /// scallop height.
+    Gouge,
 }
 
 impl fmt::Display for Reason<SurfaceWeakness> {
@@ -85,16 +88,18 @@ impl fmt::Display for Reason<SurfaceWeakness> {
                 )
             }
             SurfaceWeakness::OverTolerance => {
-                write!(f, "{:.2} % of the area exceeds the scallop height by more than 3 %, or has no scallop height", 100.0 * figure)
+                write!(f, "{:.2} % of the area is left more than 2 % over the scallop height although the cutter reaches it", 100.0 * figure)
             }
+            SurfaceWeakness::Gouge => write!(f, "the path cuts {figure:.2} times the scallop height deep into the part, over {threshold}"),
         }
     }
 }
 
 impl Confidence<SurfaceWeakness> {
-    /// The confidence in plans that are sorted by time; `None` without a plan.
-    pub(super) fn of(plans: &[ZigzagPlan], surface: &SurfaceFigures, scallop_height: Length, evidence: SurfaceEvidence) -> Option<Self> {
+    /// The confidence in plans that are sorted by time, milled ones first; `None` without a milled plan.
+    pub(super) fn of(plans: &[CandidatePlan], surface: &SurfaceFigures, scallop_height: Length, evidence: SurfaceEvidence) -> Option<Self> {
         let best = plans.first()?;
+        let milled = best.milled?;
         let mut reasons = Vec::new();
         if let Some(next) = plans.get(1) {
             let lead = 1.0 - best.time.seconds() / next.time.seconds();
@@ -102,7 +107,7 @@ impl Confidence<SurfaceWeakness> {
                 reasons.push(Reason { weakness: SurfaceWeakness::SmallLead, level: Level::Moderate, figure: lead, threshold: 0.02 });
             }
         }
-        let size = surface.facet_size.mm() / best.step_over.median.mm();
+        let size = surface.facet_size.mm() / milled.step_over.median.mm();
         #[expect(clippy::cast_precision_loss, reason = "a count of pieces")]
         let pieces = evidence.pieces as f64;
         let sagittas = surface.sagitta.mm() / scallop_height.mm();
@@ -113,8 +118,8 @@ impl Confidence<SurfaceWeakness> {
         reasons.extend(Reason::over(SurfaceWeakness::HiddenArea, evidence.hidden_area_share, 0.02, 0.2));
         reasons.extend(Reason::over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
         reasons.extend(Reason::over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
-        let scallop = best.scallop_height;
-        reasons.extend(Reason::over(SurfaceWeakness::OverTolerance, scallop.far_over_share + scallop.without_height_share, 0.001, 0.1));
+        reasons.extend(Reason::over(SurfaceWeakness::OverTolerance, milled.finish.far_over_share, 0.005, 0.1));
+        reasons.extend(Reason::over(SurfaceWeakness::Gouge, milled.finish.gouge.mm() / scallop_height.mm(), 0.4, 4.0));
         Some(Self::from_reasons(reasons))
     }
 }

@@ -1,0 +1,189 @@
+//! The finish that a path leaves: shares of the area, percentiles, and the worst places.
+
+use super::climbing::{Climbed, climbed};
+use super::milled::{Left, Milled};
+use super::places::{Place, Places};
+use super::standing::Reach;
+use crate::surface::Mesh;
+use rayon::prelude::*;
+
+/// What is left over the tolerance counts from 2 % over it: paths are laid out to keep it exactly, and their chords and
+/// roundings leave as much.
+pub const OVER: f64 = 1.02;
+
+/// The least depth of a cut into the part that counts as a gouge in shares: 2 um or a fifth of the tolerance.
+const GOUGE: (f64, f64) = (0.002, 0.2);
+
+/// The number of neighbouring places whose highest stands for the ridge between them.
+const NEIGHBOURS: usize = 16;
+
+/// Places computed by one thread between two looks at `stop`.
+const AT_ONCE: usize = 256;
+
+/// What a path leaves, measured at places that stand for equal areas.
+#[derive(Debug, Clone)]
+pub struct Finish {
+    /// For each place what the cuts and links leave; `None` where none of them comes over it.
+    pub left: Vec<Option<Left>>,
+    /// For each place whether it is left over the tolerance.
+    pub over: Vec<bool>,
+    /// For each place left over the tolerance, whether the cutter could have reached it; false elsewhere.
+    pub over_reachable: Vec<bool>,
+    /// What is left in mm, over the places which the path comes over.
+    pub residual: Option<Residual>,
+    /// The same over those of them that the cutter can reach or that are within the tolerance.
+    pub reached: Option<Residual>,
+    /// The share of the area that is left over the tolerance, uncut area included.
+    pub over_share: Share,
+    /// The share of the area that is left over the tolerance and that the cutter could have reached.
+    pub over_reachable_share: Share,
+    /// The share of the area over which no move comes.
+    pub uncut_share: Share,
+    /// The greatest height in mm left where the cutter cannot reach. 0 where it reaches everything.
+    pub unreachable_height: f64,
+    /// The share of the area cut by more than 2 um and a fifth of the tolerance.
+    pub gouge_share: Share,
+    /// The deepest cut into the part by cuts and links.
+    pub gouge: Option<Spot>,
+    /// The deepest cut into the part by rapids.
+    pub collision: Option<Spot>,
+    /// The largest excess over the tolerance where the cutter can reach.
+    pub worst: Option<Spot>,
+    /// The share of the area with ridges of at least half the tolerance about it.
+    pub used_share: Share,
+}
+
+/// A place and what is left there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// The place.
+    pub place: Place,
+    /// The level and the move that decides.
+    pub left: Left,
+}
+
+/// A share of the area.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// From 0 to 1.
+    pub value: f64,
+    /// Its standard error: that of a share of random places, which is a bound, because the places are one in each of equal
+    /// parts of the area. One place more on either side than were found keeps it from being 0.
+    pub standard_error: f64,
+}
+
+/// Percentiles of what is left, in mm, negative where the part is cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    /// The median.
+    pub p50: f64,
+    /// 90 % of the area have less.
+    pub p90: f64,
+    /// 99 % of the area have less.
+    pub p99: f64,
+    /// The most that was found.
+    pub max: f64,
+}
+
+impl Share {
+    fn new(count: usize, of: usize) -> Self {
+        let (count, of) = (count as f64, of as f64);
+        let towards_half = (count + 1.0) / (of + 2.0);
+        Self { value: if of > 0.0 { count / of } else { 0.0 }, standard_error: (towards_half * (1.0 - towards_half) / (of + 2.0)).sqrt() }
+    }
+}
+
+impl Residual {
+    fn new(mut levels: Vec<f64>) -> Option<Self> {
+        levels.sort_unstable_by(f64::total_cmp);
+        let last = levels.len().checked_sub(1)?;
+        let at = |share: f64| levels[(share * last as f64).round() as usize];
+        Some(Self { p50: at(0.5), p90: at(0.9), p99: at(0.99), max: levels[last] })
+    }
+}
+
+impl Finish {
+    /// What the path leaves at the places of the mesh, with the tolerance in mm, > 0. `None` once `stop` returns true.
+    #[must_use]
+    pub fn new(
+        milled: &Milled,
+        mesh: &Mesh,
+        places: &Places,
+        reach: &Reach<'_>,
+        tolerance: f64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let over_level = OVER * tolerance;
+        let left = looked_at(&places.inside, stop, |_, place| milled.left_at(place.point, place.normal))?;
+        let over: Vec<bool> = left.iter().map(|left| left.is_none_or(|left| left.height > over_level)).collect();
+        let over_reachable = looked_at(&over, stop, |index, over| *over && reach.includes(index))?;
+        let of_edges = looked_at(&places.on_edges, stop, |_, place| milled.left_at(place.point, place.normal))?;
+        let collisions = looked_at(&places.inside, stop, |_, place| milled.collision_at(place.point, place.normal))?;
+
+        let count = places.inside.len();
+        let share = |matching: usize| Share::new(matching, count);
+        let levels = |wanted: &dyn Fn(usize) -> bool| {
+            left.iter()
+                .enumerate()
+                .filter(|(index, _)| wanted(*index))
+                .filter_map(|(_, left)| left.map(|left| left.height))
+                .collect::<Vec<f64>>()
+        };
+        let is_reached = |index: usize| !over[index] || over_reachable[index];
+        let gouge_level = -GOUGE.0.max(GOUGE.1 * tolerance);
+
+        let spots = || {
+            let inside = places.inside.iter().zip(&left).enumerate().map(|(index, (place, left))| (place, left, is_reached(index)));
+            let edges = places.on_edges.iter().zip(&of_edges).map(|(place, left)| (place, left, false));
+            inside.chain(edges).filter_map(|(place, left, reached)| left.map(|left| (Spot { place: *place, left }, reached)))
+        };
+        let level = |place: &Place| milled.left_at(place.point, place.normal);
+        let gouge = climbed(mesh, spots().filter(|(spot, _)| spot.left.height < 0.0).map(|(spot, _)| spot), Climbed::Lowest, &level);
+        let may_climb = |place: &Place, left: &Left| left.height <= over_level || reach.can_touch(place);
+        let level_in_reach = |place: &Place| level(place).filter(|left| may_climb(place, left));
+        let worst = climbed(mesh, spots().filter(|(_, reached)| *reached).map(|(spot, _)| spot), Climbed::Highest, &level_in_reach);
+        let hits = places.inside.iter().zip(&collisions).filter_map(|(place, left)| left.map(|left| Spot { place: *place, left }));
+        let collision = climbed(mesh, hits, Climbed::Lowest, &|place| milled.collision_at(place.point, place.normal));
+        if stop() {
+            return None;
+        }
+        let with_max = |residual: Option<Residual>, spot: Option<Spot>| {
+            residual.map(|residual| Residual { max: spot.map_or(residual.max, |spot| spot.left.height.max(residual.max)), ..residual })
+        };
+        Some(Self {
+            residual: with_max(Residual::new(levels(&|_| true)), worst),
+            reached: with_max(Residual::new(levels(&is_reached)), worst),
+            over_share: share(over.iter().filter(|over| **over).count()),
+            over_reachable_share: share(over_reachable.iter().filter(|over| **over).count()),
+            uncut_share: share(left.iter().filter(|left| left.is_none()).count()),
+            unreachable_height: levels(&|index| !is_reached(index)).into_iter().fold(0.0, f64::max),
+            gouge_share: share(left.iter().flatten().filter(|left| left.height < gouge_level).count()),
+            used_share: share(used(&left, tolerance)),
+            gouge,
+            collision,
+            worst,
+            over_reachable,
+            over,
+            left,
+        })
+    }
+}
+
+/// The number of places in groups of neighbours of which the highest is at least half the tolerance. The highest of m
+/// places at random across a parabolic ridge of the height h is at (m/(m+1))^2 h.
+fn used(left: &[Option<Left>], tolerance: f64) -> usize {
+    let in_group = NEIGHBOURS as f64 / (NEIGHBOURS as f64 + 1.0);
+    let level = 0.5 * tolerance * in_group * in_group;
+    let is_used = |group: &&[Option<Left>]| group.iter().any(|left| left.is_none_or(|left| left.height >= level));
+    left.chunks(NEIGHBOURS).filter(is_used).map(<[_]>::len).sum()
+}
+
+/// `each` of all items in their order, on all threads; `None` once `stop` returns true.
+fn looked_at<T: Sync, U: Send>(items: &[T], stop: &(dyn Fn() -> bool + Sync), each: impl Fn(usize, &T) -> U + Sync) -> Option<Vec<U>> {
+    let chunks = items.par_chunks(AT_ONCE).enumerate().map(|(chunk, items)| {
+        let first = chunk * AT_ONCE;
+        (!stop()).then(|| items.iter().enumerate().map(|(at, item)| each(first + at, item)).collect::<Vec<U>>())
+    });
+    let chunks: Option<Vec<Vec<U>>> = chunks.collect();
+    chunks.map(|chunks| chunks.into_iter().flatten().collect())
+}

@@ -1,0 +1,168 @@
+//! Places on a surface at which what a path leaves is looked at.
+
+use super::random::Random;
+use crate::numerics::vector::{cross, difference, length};
+use crate::surface::Mesh;
+
+/// A place on a facet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// In mm.
+    pub point: [f64; 3],
+    /// The unit normal of the facet, out of the part.
+    pub normal: [f64; 3],
+    /// The index of the facet in its mesh.
+    pub facet: u32,
+}
+
+/// Places on facets of a mesh: one at random in each of many parts of equal area, in an order in which neighbours are
+/// close to each other, and some on the facets' edges.
+#[derive(Debug, Clone)]
+pub struct Places {
+    pub(super) inside: Vec<Place>,
+    pub(super) on_edges: Vec<Place>,
+    area: f64,
+}
+
+impl Places {
+    /// Draws `count` places on the facets, which are indices of the mesh, and a quarter as many on their edges. The same
+    /// arguments give the same places. Facets without area get none; without any area there are no places.
+    #[must_use]
+    pub fn draw(mesh: &Mesh, facets: &[u32], count: usize, seed: u64) -> Self {
+        let facets = in_local_order(mesh, facets);
+        let corners = |facet: u32| mesh.corners(facet as usize);
+        let mut random = Random::new(seed);
+        let area = |facet: u32| mesh.normal_and_area(facet as usize).1;
+        let perimeter = |facet: u32| {
+            let [a, b, c] = corners(facet);
+            length(difference(b, a)) + length(difference(c, b)) + length(difference(a, c))
+        };
+        let mut inside = Vec::with_capacity(count);
+        let total = strata(&facets, area, count, &mut random, |facet, share, parts, random| {
+            inside.push(place(mesh, facet, inside_facet(corners(facet), share, parts, random)));
+        });
+        let mut on_edges = Vec::with_capacity(count / 4);
+        strata(&facets, perimeter, count / 4, &mut random, |facet, share, _, _| {
+            if area(facet) > 0.0 {
+                on_edges.push(place(mesh, facet, on_border(corners(facet), share)));
+            }
+        });
+        Self { inside, on_edges, area: total }
+    }
+
+    /// The places inside facets, each of which stands for the same area.
+    #[must_use]
+    pub fn inside(&self) -> &[Place] {
+        &self.inside
+    }
+
+    /// The area of all facets in mm^2.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+}
+
+fn place(mesh: &Mesh, facet: u32, point: [f64; 3]) -> Place {
+    Place { point, normal: mesh.normal_and_area(facet as usize).0, facet }
+}
+
+/// Divides the facets' sizes, in their order, into `count` equal parts and calls `each` with a random place of each: the
+/// facet, how far into its size the place is from 0 to 1, and the number of parts in the facet. The sum of the sizes.
+fn strata(
+    facets: &[u32],
+    size: impl Fn(u32) -> f64,
+    count: usize,
+    random: &mut Random,
+    mut each: impl FnMut(u32, f64, f64, &mut Random),
+) -> f64 {
+    let total: f64 = facets.iter().map(|&facet| size(facet)).sum();
+    if total <= 0.0 {
+        return 0.0;
+    }
+    let step = total / count as f64;
+    let (mut done, mut before) = (0, 0.0);
+    let mut wanted = step * random.unit();
+    for &facet in facets {
+        let size = size(facet);
+        while done < count && wanted < before + size {
+            each(facet, ((wanted - before) / size).clamp(0.0, 1.0), size / step, random);
+            done += 1;
+            wanted = step * (done as f64 + random.unit());
+        }
+        before += size;
+    }
+    total
+}
+
+/// The place at this share of the facet's area along a curve that fills it: halves across the longest edge, again and
+/// again, until a part holds less than one place; there at random.
+fn inside_facet(corners: [[f64; 3]; 3], share: f64, parts: f64, random: &mut Random) -> [f64; 3] {
+    let [mut a, mut b, mut c] = corners;
+    let (mut share, mut size) = (share, parts);
+    while size > 0.5 {
+        // The longest edge becomes a to b.
+        let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| length(difference(to, from)));
+        if bc > ab && bc >= ca {
+            (a, b, c) = (b, c, a);
+        } else if ca > ab {
+            (a, b, c) = (c, a, b);
+        }
+        let middle = mixed(a, b, 0.5);
+        share *= 2.0;
+        if share < 1.0 {
+            (a, b, c) = (c, a, middle);
+        } else {
+            share -= 1.0;
+            (a, b, c) = (b, c, middle);
+        }
+        size *= 0.5;
+    }
+    let root = random.unit().sqrt();
+    mixed(a, mixed(b, c, random.unit()), root)
+}
+
+fn on_border([a, b, c]: [[f64; 3]; 3], share: f64) -> [f64; 3] {
+    let lengths = [length(difference(b, a)), length(difference(c, b)), length(difference(a, c))];
+    let mut at = share * lengths.iter().sum::<f64>();
+    for (length, (from, to)) in lengths.into_iter().zip([(a, b), (b, c), (c, a)]) {
+        if at <= length && length > 0.0 {
+            return mixed(from, to, at / length);
+        }
+        at -= length;
+    }
+    a
+}
+
+/// a + t (b - a)
+pub(super) fn mixed(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
+    std::array::from_fn(|axis| a[axis] + t * (b[axis] - a[axis]))
+}
+
+/// The facets along a Z-order curve of the plan view.
+fn in_local_order(mesh: &Mesh, facets: &[u32]) -> Vec<u32> {
+    let bounds = mesh.bounds();
+    let width = (bounds.max[0] - bounds.min[0]).max(bounds.max[1] - bounds.min[1]).max(f64::MIN_POSITIVE);
+    let key = |facet: u32| {
+        let [a, b, c] = mesh.corners(facet as usize);
+        let of = |axis: usize| (65535.0 * ((a[axis] + b[axis] + c[axis]) / 3.0 - bounds.min[axis]) / width) as u32;
+        interleaved(of(0)) | interleaved(of(1)) << 1
+    };
+    let mut keyed: Vec<(u32, u32)> = facets.iter().map(|&facet| (key(facet), facet)).collect();
+    keyed.sort_unstable();
+    keyed.into_iter().map(|(_, facet)| facet).collect()
+}
+
+/// The 16 low bits with a zero bit after each.
+fn interleaved(bits: u32) -> u32 {
+    let mut x = bits & 0xffff;
+    for (shift, mask) in [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
+        x = (x | x << shift) & mask;
+    }
+    x
+}
+
+/// The normal of the plane through three corners, twice the area long.
+pub(super) fn twice_area(corners: [[f64; 3]; 3]) -> [f64; 3] {
+    cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]))
+}
