@@ -21,7 +21,7 @@ mod moves;
 mod places;
 mod random;
 mod standing;
-mod tip_line_tmp;
+mod tip_line;
 #[cfg(test)]
 mod tests;
 
@@ -31,4 +31,4 @@ pub use milled::{Left, Milled};
 pub use moves::{Move, MoveKind};
 pub use places::{Place, Places};
 pub use standing::{Obstacles, Reach};
-pub use tip_line_tmp::{Tip, tips_between};
+pub use tip_line::{Tip, tips_between, tips_of_lines};

@@ -3,20 +3,16 @@
 use crate::cancellation::CancelFlag;
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, Reservation};
-use crate::planning::memory::{Parallelism, RankingSize, TRIAL_SIDE, bytes_of_mesh, bytes_to_prepare, bytes_to_rank, fitting};
-use crate::planning::zigzag::PlanRoom;
+use crate::planning::memory::{MAP_SIDE, Parallelism, RankingSize, bytes_of_mesh, bytes_to_prepare, bytes_to_rank};
 use crate::surface::mesh::MeshSize;
 use crate::surface::{MeshBuilder, ReceivedSurface};
 use std::time::Duration;
 
-/// The resources of a recommendation: its memory, and what it may use of threads and room for plans.
+/// The resources of a recommendation: its memory, and what it may use of threads.
 #[derive(Debug)]
 pub(super) struct Resources {
     pub(super) memory: Reservation,
     pub(super) parallelism: Parallelism,
-    pub(super) room: PlanRoom,
-    /// The threads of a permit.
-    threads: usize,
     /// The longest wait for more memory.
     longest_wait: Duration,
     /// The largest memory of one request, in bytes.
@@ -28,9 +24,7 @@ impl Resources {
     pub(super) fn none(work: &Work, longest_wait: Duration) -> Self {
         Self {
             memory: work.budget().open(),
-            parallelism: Parallelism { threads: work.threads(), candidates: work.threads() },
-            room: PlanRoom::USUAL,
-            threads: work.threads(),
+            parallelism: Parallelism { threads: work.threads() },
             longest_wait,
             largest: usize::try_from(work.budget().largest()).unwrap_or(usize::MAX),
         }
@@ -41,51 +35,27 @@ impl Resources {
         Self { memory, ..self }
     }
 
-    /// The memory in bytes of a ranking on a mesh of this size, and its use of threads: as many threads and candidates
-    /// at once as `most` bytes allow; one of each if none fits.
-    fn within(&self, mesh: MeshSize, size: RankingSize, most: usize) -> (u64, Parallelism) {
-        let mesh = bytes_of_mesh(mesh);
-        let (parallelism, bytes) = fitting(size, self.threads, self.room, most.saturating_sub(mesh));
-        ((mesh + bytes) as u64, parallelism)
-    }
-
-    /// The largest memory in bytes of a ranking on a mesh of this size, limited by the memory of one request.
+    /// The memory in bytes of a ranking on a mesh of this size, limited by the memory of one request.
     pub(super) fn most(&self, mesh: MeshSize, size: RankingSize) -> u64 {
-        self.within(mesh, size, self.largest).0
+        self.least(mesh, size).min(self.largest as u64)
     }
 
-    /// The smallest memory in bytes with which a ranking on a mesh of this size is possible.
+    /// The memory in bytes of a ranking on a mesh of this size.
+    #[expect(clippy::unused_self, reason = "the memory does not depend on the threads")]
     pub(super) fn least(&self, mesh: MeshSize, size: RankingSize) -> u64 {
-        self.within(mesh, size, 0).0
+        (bytes_of_mesh(mesh) + bytes_to_rank(size)) as u64
     }
 
-    /// Reserves the memory for a ranking: at least the smallest amount, and as much of the free memory as it can use.
-    /// Blocks, so it must be called on a worker thread.
+    /// Reserves the memory for a ranking. Blocks, so it must be called on a worker thread.
     pub(super) fn provide(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
-        let attainable = usize::try_from(self.memory.attainable()).unwrap_or(usize::MAX);
-        let (bytes, parallelism) = self.within(mesh, size, self.largest.min(attainable));
+        let bytes = self.least(mesh, size);
         self.memory.shrink_to(bytes);
-        self.add(bytes - self.memory.bytes(), stop)?;
-        self.parallelism = parallelism;
-        Ok(())
-    }
-
-    /// Returns the memory of the ranking, except that of one plan, from which passes and map are computed.
-    pub(super) fn keep_one_plan(&mut self, mesh: MeshSize, size: RankingSize) {
-        let parallelism = Parallelism { candidates: 1, ..self.parallelism };
-        let plan = bytes_to_rank(RankingSize { candidates: 1, ..size }, parallelism, PlanRoom::LARGEST);
-        self.memory.shrink_to((bytes_of_mesh(mesh) + plan) as u64);
+        self.add(bytes.saturating_sub(self.memory.bytes()), stop)
     }
 
     /// Reserves `bytes` more. Blocks, so it must be called on a worker thread.
     pub(super) fn add(&mut self, bytes: u64, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
         self.memory.grow_blocking(bytes, self.longest_wait, stop)
-    }
-
-    /// Reserves the memory for larger plans, after one did not fit. Blocks, so it must be called on a worker thread.
-    pub(super) fn enlarge(&mut self, mesh: MeshSize, size: RankingSize, stop: &dyn Fn() -> bool) -> Result<(), BudgetExceeded> {
-        self.room = self.room.larger();
-        self.provide(mesh, size, stop)
     }
 }
 
@@ -96,7 +66,7 @@ pub(super) fn bytes_of_machined_surface(mesh: &MeshBuilder) -> u64 {
 }
 
 /// The memory of a map: the figures of each cell and their text, in a vector that doubles when it grows.
-pub(super) const BYTES_OF_A_MAP: u64 = 256 * (TRIAL_SIDE * TRIAL_SIDE) as u64;
+pub(super) const BYTES_OF_A_MAP: u64 = 256 * (MAP_SIDE * MAP_SIDE) as u64;
 
 /// The memory of the facets of a JSON surface, in bytes for each byte of the body, while their vectors double in size.
 /// A point has at least 8 bytes in the body, `[0,0,0],`. It takes 72 bytes and 15 of the vertex table, and in a grid

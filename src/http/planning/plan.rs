@@ -14,12 +14,11 @@ use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults};
 use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSource, Warning};
 use crate::json_text::JsonPath;
-use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
 use crate::planning::machined_surface::{MachinedSurface, Stop};
 use crate::planning::memory::RankingSize;
-use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
+use crate::planning::plan::{CandidatePlan, NotRankedReason};
 use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
 use crate::surface::mesh::MeshSize;
@@ -84,60 +83,38 @@ impl Task {
     pub(super) fn answer(mut self, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         match (self.parameters.method, self.machined.take()) {
             (Method::Surface, Some(machined)) => self.on_surface(&machined, resources, stop),
-            (_, machined) => self.on_rectangle(machined.as_ref(), resources, stop),
+            (_, machined) => self.on_rectangle(machined.as_ref(), stop),
         }
     }
 
     fn on_surface(mut self, machined: &MachinedSurface, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
-        let Some(simulation) = Simulation::run(machined, &self.parameters, &all, &self.shape, by, resources, stop)? else {
+        let Some(simulation) = Simulation::run(machined, &self.parameters, &all, &self.shape, by, stop) else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
-        resources.keep_one_plan(machined.mesh.size(), RankingSize::of(&machined.mesh, &simulation.candidates));
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
         let mut not_ranked: Vec<NotRanked> =
             ranking.not_ranked.iter().map(|not_ranked| self.not_ranked(not_ranked.candidate, not_ranked.reason)).collect();
         not_ranked.extend(self.faulty_tools());
-        let candidates: Vec<_> = ranking.plans.iter().map(|plan| RankedCandidate::simulated(plan, named)).collect();
+        let candidates: Vec<_> = ranking.plans.iter().map(|plan| RankedCandidate::planned(plan, named)).collect();
         let (false, Some(confidence)) = (candidates.is_empty(), &ranking.confidence) else {
             return Err(Problem::no_cutter_fits(not_ranked));
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
-        // Before the passes, which can be left out if the memory does not suffice for both.
         let has_map = self.parameters.includes(Part::Map);
         resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
-        let passes = if self.parameters.includes(Part::Passes) { self.passes(machined, &simulation, resources, stop)? } else { None };
+        let passes = if self.parameters.includes(Part::Passes) { PassesAnswer::new(machined, &simulation, stop) } else { None };
         let map = if has_map { MapAnswer::new(machined, &simulation, stop) } else { None };
         let published = self.published().map(|published| published.plan);
         let answer = self.answered(candidates, not_ranked, Some(machined), published, confidence.into());
         Ok(RecommendationAnswer { map, passes, ..answer })
     }
 
-    /// The passes of the fastest plan, unless they have too many points or take more memory than one request may use.
-    fn passes(
-        &mut self,
-        machined: &MachinedSurface,
-        simulation: &Simulation,
-        resources: &mut Resources,
-        stop: Stop,
-    ) -> Result<Option<PassesAnswer>, Problem> {
-        let passes = match resources.add(PassesAnswer::bytes(machined, simulation), stop) {
-            Err(BudgetExceeded::Now) => return Err(BudgetExceeded::Now.into()),
-            Err(BudgetExceeded::Always) => Err("the passes need more memory than one request may use".to_owned()),
-            Ok(()) => PassesAnswer::new(machined, simulation, stop).transpose().map_err(|error| error.to_string()),
-        };
-        Ok(passes.unwrap_or_else(|reason| {
-            self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{reason}, and were left out")));
-            None
-        }))
-    }
-
     fn on_rectangle(
         mut self,
         machined: Option<&MachinedSurface>,
-        resources: &mut Resources,
         stop: Stop,
     ) -> Result<RecommendationAnswer, Problem> {
         let named = &self.parameters.candidates;
@@ -161,7 +138,7 @@ impl Task {
         }));
         let published = self.published();
         let compared = published.as_ref().map(|published| published.plan);
-        let confidence = self.confidence_in_rectangle(published, &candidates, machined, resources, stop)?;
+        let confidence = self.confidence_in_rectangle(published, &candidates, machined, stop);
         Ok(self.answered(candidates, not_ranked, machined, compared, confidence))
     }
 
@@ -198,17 +175,16 @@ impl Task {
         published: Option<Recommendation>,
         candidates: &[RankedCandidate],
         machined: Option<&MachinedSurface>,
-        resources: &mut Resources,
         stop: Stop,
-    ) -> Result<ConfidenceAnswer, Problem> {
+    ) -> ConfidenceAnswer {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
-        let Some(machined) = machined else { return Ok((&confidence).into()) };
+        let Some(machined) = machined else { return (&confidence).into() };
         // The order depends on the recommended cutter and the next one.
         let compared: Vec<usize> = candidates.iter().take(2).map(|candidate| candidate.cutter).collect();
         let by = Model::Envelope;
-        let Some(simulation) = Simulation::run(machined, &self.parameters, &compared, &self.shape, by, resources, stop)? else {
-            return Ok((&confidence).into());
+        let Some(simulation) = Simulation::run(machined, &self.parameters, &compared, &self.shape, by, stop) else {
+            return (&confidence).into();
         };
         let figures = simulation.ranking.surface;
         let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: machined.machined_pieces };
@@ -220,7 +196,7 @@ impl Task {
         // Without a simulation of the recommended cutter, the others cannot be compared with it.
         let times: Vec<_> =
             if candidates.first().and_then(simulated).is_some() { candidates.iter().filter_map(simulated).collect() } else { Vec::new() };
-        Ok((&confidence.with_simulation(&times)).into())
+        (&confidence.with_simulation(&times)).into()
     }
 
     /// The published comparison, if the cutters are exactly one toroidal and one ball-end cutter and it has an answer.
@@ -246,12 +222,11 @@ impl Task {
     }
 
     fn not_ranked(&self, cutter: usize, reason: NotRankedReason) -> NotRanked {
-        let reach = if let NotRankedReason::CannotReach(reach) = reason { Some(reach) } else { None };
+        let uncut = if let NotRankedReason::CannotReach { uncut_share, uncut_height } = reason { Some((uncut_share, uncut_height.mm())) } else { None };
         let name = self.parameters.candidates[cutter].name.clone();
         NotRanked {
-            uncut_share: reach.map(|reach| reach.uncut_share),
-            uncut_height_mm: reach.map(|reach| reach.uncut_height.mm()),
-            uncut_height_error_mm: reach.map(|reach| reach.uncut_height_error.mm()),
+            uncut_share: uncut.map(|(share, _)| share),
+            uncut_height_mm: uncut.map(|(_, height)| height),
             ..NotRanked::new(cutter, name, reason.into(), reason.to_string())
         }
     }
@@ -261,7 +236,7 @@ fn on_rectangle(named: &NamedCandidate, parameters: &Parameters, shape: &Shape) 
     plan_on_rectangle(named.candidate.cutter, shape, parameters.scallop_height, parameters.machine.limits, parameters.model())
 }
 
-fn short_flutes(plan: &ZigzagPlan, candidates: &[NamedCandidate]) -> Warning {
+fn short_flutes(plan: &CandidatePlan, candidates: &[NamedCandidate]) -> Warning {
     let named = &candidates[plan.candidate];
     let cutter = named.name.clone().unwrap_or_else(|| format!("cutter {}", plan.candidate));
     let flutes = named.candidate.flute_length.map_or(0.0, Length::mm);

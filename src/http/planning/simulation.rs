@@ -1,6 +1,5 @@
-//! The simulation of all candidates on the facets of a surface, with the memory that it takes.
+//! The plans of all candidates on a part.
 
-use super::memory::Resources;
 use super::parameters::{Parameters, SELECT};
 use crate::http::codes::RequestFault;
 use crate::http::problem::Problem;
@@ -9,8 +8,7 @@ use crate::http::wire::PIECES_NAME;
 use crate::json_text::JsonPath;
 use crate::milling::Model;
 use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};
-use crate::planning::memory::RankingSize;
-use crate::planning::zigzag::{CandidateCutter, NoRanking, Ranking, ZigzagSettings, rank_within};
+use crate::planning::plan::{CandidateCutter, PlanSettings, Ranking, rank};
 use crate::surface::{MeshError, Shape};
 use crate::worker_pool::WorkerPool;
 use axum::http::StatusCode;
@@ -30,43 +28,27 @@ pub(super) fn report(reason: NoMachinedSurface, path: &JsonPath<'_>, faults: &mu
     }
 }
 
-/// All candidates simulated on a surface.
+/// All candidates planned on a part.
 pub(super) struct Simulation {
-    pub(super) settings: ZigzagSettings,
-    /// The candidates, each with the material it cannot reach.
+    pub(super) settings: PlanSettings,
     pub(super) candidates: Vec<CandidateCutter>,
     pub(super) ranking: Ranking,
 }
 
 impl Simulation {
-    /// Simulates the candidates at these positions in the request, with more room if a plan needs it. Returns `None`
-    /// once `stop` returns true.
+    /// Plans the candidates at these positions in the request. Returns `None` once `stop` returns true.
     pub(super) fn run(
         machined: &MachinedSurface,
         parameters: &Parameters,
         places: &[usize],
         shape: &Shape,
         model: Model,
-        resources: &mut Resources,
         stop: Stop,
-    ) -> Result<Option<Self>, Problem> {
-        let mut settings = parameters.settings(shape, model);
+    ) -> Option<Self> {
+        let settings = parameters.settings(shape, model);
         let candidates: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate).collect();
-        let Some(candidates) = machined.with_reach(&candidates, parameters.scallop_height, stop) else { return Ok(None) };
-        let evidence = machined.evidence();
-        let size = RankingSize::of(&machined.mesh, &candidates);
-        let ranking = loop {
-            settings.candidates_at_once = resources.parallelism.candidates;
-            let room = resources.room;
-            let ranked =
-                on_threads(resources.parallelism.threads, || rank_within(&machined.facets, &candidates, &settings, evidence, room, stop))?;
-            match ranked {
-                Ok(ranking) => break ranking,
-                Err(NoRanking::NoRoom) => resources.enlarge(machined.mesh.size(), size, stop)?,
-                Err(NoRanking::Stopped) => return Ok(None),
-            }
-        };
-        Ok(Some(Self { settings, candidates, ranking }))
+        let ranking = rank(&machined.workpiece, &candidates, &settings, machined.evidence(), stop)?;
+        Some(Self { settings, candidates, ranking })
     }
 }
 

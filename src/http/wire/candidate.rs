@@ -4,7 +4,7 @@ use super::cutter::{TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, Quantity, Whole, describe, members, text};
 use crate::json_text::{JsonPath, JsonText};
-use crate::planning::zigzag::{CandidateCutter, Drive};
+use crate::planning::plan::{CandidateCutter, Drive};
 use crate::quantity::{Length, SpindleSpeed};
 use crate::tooling::LibraryTool;
 use utoipa::openapi::schema::{ObjectBuilder, Type};

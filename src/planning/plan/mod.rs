@@ -12,6 +12,7 @@ mod border;
 mod candidate;
 mod estimate;
 mod judged;
+mod left;
 mod milled_plan;
 mod order;
 mod passes;
@@ -32,7 +33,8 @@ mod workpiece;
 
 pub use candidate::{CandidateCutter, Drive};
 pub use judged::FinishFigures;
-pub use passes::{PassPoint, Passes, passes};
+pub use left::{LeftAt, left_at};
+pub use passes::{CutPoint, PassPoint, Passes, passes};
 pub use ranking::{CandidatePlan, MilledFigures, NotRanked, NotRankedReason, Ranking, SpacingFigures, rank};
 pub use settings::{Directions, Pattern, PlanSettings};
 pub use tour::TourFigures;

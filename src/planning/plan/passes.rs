@@ -61,7 +61,7 @@ pub fn passes(
     settings: &PlanSettings,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Passes> {
-    let milled = plan.plan.as_ref()?;
+    let (milled, _) = plan.plan.as_ref()?;
     let heading = Heading::of(plan.direction.radians());
     let teeth_per_second = plan.milled.as_ref().and_then(|figures| {
         let feed = figures.feed_per_tooth?.mm();
@@ -117,7 +117,7 @@ fn height_at(
         let contact = Contact::from_vectors(facet.normal, along, None).ok()?;
         let surface = SurfaceCurvature::from_components_per_mm(curvature[0], curvature[1], curvature[2]).ok()?;
         let pass = Pass { cutter: candidate.cutter, contact, surface, runout: Runout::NONE, teeth: candidate.drive.and_then(|drive| NonZeroU32::new(drive.teeth)) };
-        let evaluated = EvaluatedPass::new(settings.model, pass).ok()?;
+        let evaluated = EvaluatedPass::fitting(settings.model, pass).ok()??;
         Some(evaluated.scallop_height(step_over, feed_per_tooth).ok()?.total())
     };
     (curvature, height().filter(|_| step_over.mm() > 0.0))

@@ -8,7 +8,7 @@ use super::workpiece::Workpiece;
 use crate::milling::Profile;
 
 /// A candidate with its spacings and feeds.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Prepared {
     pub(super) index: usize,
     pub(super) candidate: CandidateCutter,

@@ -69,7 +69,7 @@ pub struct CandidatePlan {
     pub rectangle: Option<RectanglePlan>,
     /// Whether the flutes are shorter than the surface is deep.
     pub flutes_too_short: bool,
-    pub(super) plan: Option<MilledPlan>,
+    pub(super) plan: Option<(MilledPlan, Prepared)>,
 }
 
 /// The figures of a milled plan.
@@ -188,15 +188,14 @@ fn lines_apart(one: Angle, other: Angle) -> f64 {
 }
 
 /// Plans zigzags for each candidate over the part and ranks them by time. `evidence` has the properties of the mesh that the
-/// targets do not show; `steep_area` is the area in mm^2 of selected facets that are too steep to be machined. `stop` is
-/// called about every millisecond, by all threads. The result is `None` soon after it returns true.
+/// part does not show. `stop` is called about every millisecond, by all threads. The result is `None` soon after it returns
+/// true.
 #[must_use]
 pub fn rank(
     workpiece: &Workpiece,
     candidates: &[CandidateCutter],
     settings: &PlanSettings,
     evidence: SurfaceEvidence,
-    steep_area: f64,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Ranking> {
     let height = settings.scallop_height.mm();
@@ -248,7 +247,7 @@ pub fn rank(
     }
     plans.sort_by(|a, b| a.milled.is_none().cmp(&b.milled.is_none()).then(a.time.seconds().total_cmp(&b.time.seconds())));
     not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
-    let surface = workpiece.figures(steep_area);
+    let surface = workpiece.figures();
     let confidence = Confidence::of(&plans, &surface, settings.scallop_height, evidence);
     Some(Ranking { plans, not_ranked, surface, confidence })
 }
@@ -351,7 +350,7 @@ impl Estimated {
                 *time = *milled;
             }
         }
-        CandidatePlan { milled: Some(figures), plan: Some(best), ..plan }
+        CandidatePlan { milled: Some(figures), plan: Some((best, self.prepared)), ..plan }
     }
 }
 

@@ -41,8 +41,6 @@ pub(super) struct Seen {
     pub(super) length: f64,
     /// Its part of the integral of time over the distance across, in s mm.
     pub(super) time: f64,
-    /// The position of the station.
-    pub(super) station: usize,
 }
 
 /// The stations that the cutter reaches, by their distance across the lines.
@@ -54,7 +52,7 @@ pub(super) struct Spread {
 impl Spread {
     pub(super) fn new(workpiece: &Workpiece, stations: &[Station], prepared: &Prepared, heading: &Heading, tolerance: f64) -> Self {
         let mut seen: Vec<Seen> = Vec::with_capacity(stations.len());
-        for (position, station) in stations.iter().enumerate() {
+        for station in stations {
             if station.lift > tolerance {
                 continue;
             }
@@ -64,7 +62,7 @@ impl Spread {
             let length = station.place.area * tangent.ratio_squared(cos_alpha).sqrt();
             let time = length / prepared.feeds.rate(tangent, cos_alpha, 1.0);
             let squared = prepared.spacing.squared(tangent, cos_alpha, sin_alpha);
-            seen.push(Seen { along, across, squared, length, time, station: position });
+            seen.push(Seen { along, across, squared, length, time });
         }
         seen.sort_unstable_by(|a, b| a.across.total_cmp(&b.across));
         let range = match (seen.first(), seen.last()) {

@@ -4,11 +4,12 @@ use super::tangent::Tangent;
 use crate::milling::Profile;
 use crate::path::{DropCutter, Feature, Touch};
 use crate::quantity::{Angle, Area, Length};
+use crate::surface::mesh::{FacetClass, Visibility};
 use crate::surface::{FinishFacet, Mesh};
 use nalgebra::Vector3;
 use std::sync::LazyLock;
 
-/// The number of places of a facet that is not to be machined.
+/// The position among the targets of a facet that is not to be machined.
 const NONE: u32 = u32::MAX;
 
 /// While the tip leaves a facet around a border or a wall's upper edge, the facet counts as touched until the contact's
@@ -26,20 +27,31 @@ pub struct Workpiece {
     /// The target of each facet, or [`NONE`].
     target_of: Vec<u32>,
     triangles: Vec<[u32; 3]>,
-    points: Vec<[f64; 3]>,
     /// The facets around each point, those of point p from `around_starts[p]` to `around_starts[p + 1]`.
     around: Vec<u32>,
     around_starts: Vec<u32>,
     /// The lowest and the highest point of the targets and of everything.
     pub(super) bounds: [[f64; 3]; 2],
     pub(super) top: f64,
+    /// The area in mm^2 of what is selected and too steep to be machined, walls excepted.
+    steep_area: f64,
 }
 
 impl Workpiece {
-    /// The part of a mesh. `targets` are the facets to machine with their positions in the mesh; `avoid` is a second mesh
-    /// that must not be cut. Once `stop` returns true, the result must be discarded.
+    /// The part of a mesh: what is selected, seen from above and not too steep is machined, all else is not to be cut. `avoid`
+    /// is a second mesh that is not to be cut. Once `stop` returns true, the result must be discarded.
     #[must_use]
-    pub fn new(mesh: &Mesh, targets: Vec<(u32, FinishFacet)>, avoid: Option<&Mesh>, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+    pub fn new(mesh: &Mesh, visibility: &Visibility, selected: &[bool], avoid: Option<&Mesh>, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+        let mut planned = mesh.facets_for_finishing_until(visibility, selected, stop).into_iter();
+        let mut targets: Vec<(u32, FinishFacet)> = Vec::new();
+        let mut steep_area = 0.0;
+        for ((facet, class), selected) in (0..).zip(visibility.classes()).zip(selected) {
+            match class {
+                FacetClass::Machined if *selected => targets.extend(planned.next().map(|planned| (facet, planned))),
+                FacetClass::Steep { wall: false } if *selected => steep_area += planned.next().map_or(0.0, |planned| planned.area),
+                _ => {}
+            }
+        }
         let mut points = mesh.points().to_vec();
         let mut triangles = mesh.triangles().to_vec();
         if let Some(avoid) = avoid {
@@ -78,7 +90,7 @@ impl Workpiece {
         }
         let top = points.iter().map(|point| point[2]).fold(f64::NEG_INFINITY, f64::max);
         let tangents = targets.iter().map(Tangent::of).collect();
-        Self { drop, targets, tangents, facets, target_of, triangles, points, around, around_starts, bounds, top }
+        Self { drop, targets, tangents, facets, target_of, triangles, around, around_starts, bounds, top, steep_area }
     }
 
     /// The facet of a target in the mesh.
@@ -86,8 +98,15 @@ impl Workpiece {
         self.facets[target]
     }
 
-    /// The target of a facet that is to be machined.
-    pub(super) fn target_of(&self, facet: u32) -> Option<usize> {
+    /// The number of facets that are machined.
+    #[must_use]
+    pub fn machined_facets(&self) -> usize {
+        self.targets.len()
+    }
+
+    /// The position of a facet among those that are to be machined.
+    #[must_use]
+    pub fn target_of(&self, facet: u32) -> Option<usize> {
         let target = self.target_of[facet as usize];
         (target != NONE).then_some(target as usize)
     }
@@ -146,7 +165,7 @@ impl Workpiece {
     }
 
     /// The figures of the surface.
-    pub(super) fn figures(&self, steep_area: f64) -> SurfaceFigures {
+    pub(super) fn figures(&self) -> SurfaceFigures {
         let mut sums = [0.0; 3];
         for (tangent, target) in self.tangents.iter().zip(&self.targets) {
             let [steepest, twist, level] = tangent.curvature;
@@ -155,6 +174,7 @@ impl Workpiece {
             sums[2] += target.area * (steepest * steepest + level * level + 2.0 * twist * twist).sqrt();
         }
         let [area, slopes, curvature] = sums;
+        let steep_area = self.steep_area;
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
         let count = self.targets.len().max(1) as f64;
         let of_area = |sum: f64| if area > 0.0 { sum / area } else { 0.0 };
