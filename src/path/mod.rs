@@ -21,9 +21,9 @@ mod moves;
 mod places;
 mod random;
 mod standing;
-mod tip_line;
 #[cfg(test)]
 mod tests;
+mod tip_line;
 
 pub use drop_cutter::{DropCutter, Feature, Touch};
 pub use finish::{Finish, OVER, Residual, Share, Spot};
