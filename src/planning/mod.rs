@@ -8,9 +8,8 @@ mod confidence;
 pub(crate) mod machined_surface;
 pub mod memory;
 
-
-pub mod rectangle;
 pub mod plan;
+pub mod rectangle;
 
 pub use confidence::{Confidence, Level, Reason};
 pub use rectangle::{

@@ -112,11 +112,7 @@ impl Task {
         Ok(RecommendationAnswer { map, passes, ..answer })
     }
 
-    fn on_rectangle(
-        mut self,
-        machined: Option<&MachinedSurface>,
-        stop: Stop,
-    ) -> Result<RecommendationAnswer, Problem> {
+    fn on_rectangle(mut self, machined: Option<&MachinedSurface>, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let named = &self.parameters.candidates;
         let feed_rate = self.parameters.machine.limits.feed_rate;
         let slope = if self.shape.steepest_direction.is_some() { self.shape.slope } else { Angle::ZERO };
@@ -222,7 +218,11 @@ impl Task {
     }
 
     fn not_ranked(&self, cutter: usize, reason: NotRankedReason) -> NotRanked {
-        let uncut = if let NotRankedReason::CannotReach { uncut_share, uncut_height } = reason { Some((uncut_share, uncut_height.mm())) } else { None };
+        let uncut = if let NotRankedReason::CannotReach { uncut_share, uncut_height } = reason {
+            Some((uncut_share, uncut_height.mm()))
+        } else {
+            None
+        };
         let name = self.parameters.candidates[cutter].name.clone();
         NotRanked {
             uncut_share: uncut.map(|(share, _)| share),

@@ -2,205 +2,144 @@
 //! there. Lines that end at a wall leave triangles between their ends, and lines beside a wall a strip.
 
 use super::judged::Judged;
-use super::runs::{Run, RunMaker, RunTip};
+use super::prepared::Prepared;
+use super::runs::{Run, RunTip, target_under};
 use super::stations::Station;
-use crate::path::Touch;
-use rayon::prelude::*;
-use std::collections::{HashMap, HashSet};
+use super::travel;
+use super::workpiece::Workpiece;
+use crate::path::{Area, Contour, Tip, borders};
+use std::collections::HashSet;
 
-/// Cells of the raster in a cutter's radius. A border that bends twice within a cell is cut short there.
+/// Cells of the raster on which borders are found in a cutter's radius, and the most nodes of it.
 const CELLS_IN_RADIUS: f64 = 8.0;
+const MOST_NODES: f64 = 250_000.0;
 
-/// The most cells of the raster beside places that are left standing.
-const MOST_CELLS: usize = 100_000;
+/// The distance beyond the border in radii of the cutter at which a wall is looked for.
+const BEYOND: f64 = 0.02;
 
-/// The width in mm to which the border is narrowed down.
-const EXACT: f64 = 1e-5;
-
-/// The most halvings of a chord along the border.
-const MOST_HALVINGS: u32 = 12;
-
-/// A node of the raster, or of its cells the one with the lowest coordinates.
-type Node = [i32; 2];
-
-/// The edge of a cell from a node in the direction of x (0) or y (1).
-type Edge = (Node, usize);
-
-/// A position of the axis, and how the tip rests there if that is on what is to be machined.
-#[derive(Debug, Clone, Copy)]
-struct Probe {
-    axis: [f64; 2],
-    height: f64,
-    standing: Option<(usize, Touch)>,
+/// The borders of a cutter's tips beside walls, independent of the direction of lines.
+#[derive(Debug, Clone)]
+pub(super) struct Feet {
+    curves: Vec<Foot>,
+    radius: f64,
 }
 
-/// The runs along borders beside stations that the cutter can reach and a path leaves standing.
-pub(super) fn border_runs(maker: &RunMaker, stations: &[Station], judged: &[Judged], height: f64) -> Vec<Run> {
-    let cell = maker.prepared.profile.outer_radius() / CELLS_IN_RADIUS;
-    let stands = |(station, judged): &(&Station, &Judged)| station.lift <= height && judged.left.is_none_or(|left| left > 1.5 * height);
-    let mut cells: HashSet<Node> = HashSet::new();
-    for (station, _) in stations.iter().zip(judged).filter(stands) {
-        #[expect(clippy::cast_possible_truncation, reason = "extents over cells are under 2^31")]
-        let own = station.axis.map(|part| (part / cell).floor() as i32);
-        for x in -2..=2 {
-            for y in -2..=2 {
-                cells.insert([own[0] + x, own[1] + y]);
-            }
-        }
-    }
-    if cells.is_empty() || cells.len() > MOST_CELLS {
-        return Vec::new();
-    }
-    let tracer = Tracer { maker, cell };
-    let mut nodes: Vec<Node> = cells.iter().flat_map(|&[x, y]| [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]]).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    let probes: HashMap<Node, Probe> = nodes.par_iter().map(|&node| (node, tracer.probe(tracer.at(node)))).collect();
-    let mut cells: Vec<Node> = cells.into_iter().collect();
-    cells.sort_unstable();
-    let segments: Vec<[Edge; 2]> = cells.iter().flat_map(|&cell| segments_of(cell, &probes)).collect();
-    let mut edges: Vec<Edge> = segments.iter().flatten().copied().collect();
-    edges.sort_unstable();
-    edges.dedup();
-    let crossings: HashMap<Edge, Option<Probe>> = edges.par_iter().map(|&edge| (edge, tracer.crossing(edge, &probes))).collect();
-    chains(&segments)
-        .into_par_iter()
-        .flat_map_iter(|chain| {
-            let points: Vec<Option<Probe>> = chain.iter().map(|edge| crossings.get(edge).copied().flatten()).collect();
-            points.split(Option::is_none).filter(|stretch| stretch.len() > 1).map(|stretch| tracer.run(stretch)).collect::<Vec<_>>()
-        })
-        .collect()
+/// One border, in points at most half a cutter's radius apart.
+#[derive(Debug, Clone)]
+struct Foot {
+    tips: Vec<RunTip>,
+    /// For each tip, whether a wall rises beyond it.
+    at_wall: Vec<bool>,
+    closed: bool,
 }
 
-/// The lines of the border through a cell, each from one of its edges to another.
-fn segments_of([x, y]: Node, probes: &HashMap<Node, Probe>) -> Vec<[Edge; 2]> {
-    let stands = |node: Node| probes.get(&node).is_some_and(|probe| probe.standing.is_some());
-    let corners = [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]];
-    let edges: [Edge; 4] = [([x, y], 0), ([x + 1, y], 1), ([x, y + 1], 0), ([x, y], 1)];
-    let crossed: Vec<Edge> = (0..4).filter(|side| stands(corners[*side]) != stands(corners[(side + 1) % 4])).map(|side| edges[side]).collect();
-    match crossed[..] {
-        [a, b] => vec![[a, b]],
-        // Two corners opposite each other: each is cut off.
-        [a, b, c, d] if stands(corners[0]) => vec![[a, d], [b, c]],
-        [a, b, c, d] => vec![[a, b], [c, d]],
-        _ => Vec::new(),
-    }
-}
-
-/// Segments joined at their edges to chains; a closed chain ends where it begins.
-fn chains(segments: &[[Edge; 2]]) -> Vec<Vec<Edge>> {
-    let mut at: HashMap<Edge, Vec<usize>> = HashMap::new();
-    for (index, ends) in segments.iter().enumerate() {
-        for end in ends {
-            at.entry(*end).or_default().push(index);
-        }
-    }
-    let mut open = vec![true; segments.len()];
-    let mut chains = Vec::new();
-    // Open chains begin at an end that no other segment shares.
-    let is_end = |index: usize| segments[index].iter().position(|end| at[end].len() == 1);
-    let starts = (0..segments.len()).filter_map(|index| is_end(index).map(|end| (index, end))).chain((0..segments.len()).map(|index| (index, 0)));
-    for (first, end) in starts {
-        if !open[first] {
-            continue;
-        }
-        let mut chain = vec![segments[first][end]];
-        let mut next = Some(first);
-        while let Some(index) = next {
-            open[index] = false;
-            let last = chain[chain.len() - 1];
-            let [a, b] = segments[index];
-            let end = if a == last { b } else { a };
-            chain.push(end);
-            next = at[&end].iter().copied().find(|other| open[*other]);
-        }
-        chains.push(chain);
-    }
-    chains
-}
-
-struct Tracer<'a> {
-    maker: &'a RunMaker<'a>,
-    cell: f64,
-}
-
-impl Tracer<'_> {
-    fn at(&self, node: Node) -> [f64; 2] {
-        node.map(|part| f64::from(part) * self.cell)
-    }
-
-    fn probe(&self, axis: [f64; 2]) -> Probe {
-        let touch = self.maker.workpiece.drop.drop(&self.maker.prepared.profile, axis[0], axis[1], None);
-        let standing = touch.and_then(|touch| Some((self.maker.target_under(axis, &touch)?, touch)));
-        Probe { axis, height: touch.map_or(f64::NEG_INFINITY, |touch| touch.height), standing }
-    }
-
-    /// The last position that stands on the way from one position to another, and the first that does not.
-    fn last_standing(&self, inside: Probe, outside: Probe) -> (Probe, Probe) {
-        let (mut inside, mut outside) = (inside, outside);
-        while (inside.axis[0] - outside.axis[0]).hypot(inside.axis[1] - outside.axis[1]) > EXACT {
-            let middle = self.probe([0, 1].map(|part| f64::midpoint(inside.axis[part], outside.axis[part])));
-            if middle.standing.is_some() { inside = middle } else { outside = middle }
-        }
-        (inside, outside)
-    }
-
-    /// Where the border crosses an edge of the raster; `None` if nothing rises there: the surface ends without a wall.
-    fn crossing(&self, (node, direction): Edge, probes: &HashMap<Node, Probe>) -> Option<Probe> {
-        let mut other = node;
-        other[direction] += 1;
-        let (one, other) = (*probes.get(&node)?, *probes.get(&other)?);
-        let (inside, outside) = if one.standing.is_some() { (one, other) } else { (other, one) };
-        let (last, beyond) = self.last_standing(inside, outside);
-        let rise = (beyond.height - last.height).max(outside.height - last.height);
-        (rise > self.maker.chord_tolerance).then_some(last)
-    }
-
-    /// The run through points of the border, with further points until chords keep the tolerance.
-    fn run(&self, points: &[Option<Probe>]) -> Run {
-        let points: Vec<Probe> = points.iter().flatten().copied().collect();
-        let mut all = vec![points[0]];
-        for pair in points.windows(2) {
-            self.refine(pair[0], pair[1], MOST_HALVINGS, &mut all);
-        }
-        let tip = |probe: Probe| {
-            let (target, contact, normal) = match probe.standing {
-                Some((target, touch)) => (Some(target), touch.contact.into(), touch.normal.into()),
-                None => (None, [0.0; 3], [0.0, 0.0, 1.0]),
-            };
-            RunTip { tip: [probe.axis[0], probe.axis[1], probe.height], target, contact, normal }
+impl Feet {
+    /// The feet of all walls beside what a cutter can machine. Once `stop` returns true, the result must be discarded.
+    pub(super) fn of(workpiece: &Workpiece, prepared: &Prepared, chord_tolerance: f64, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+        let radius = prepared.profile.outer_radius();
+        let [low, high] = workpiece.bounds;
+        let (min, max) = ([low[0] - radius, low[1] - radius], [high[0] + radius, high[1] + radius]);
+        let coarsest = ((max[0] - min[0]) * (max[1] - min[1]) / MOST_NODES).sqrt();
+        let area = Area { min, max, cell: (radius / CELLS_IN_RADIUS).max(coarsest) };
+        let inside = |axis: [f64; 2]| {
+            let touch = workpiece.drop.drop(&prepared.profile, axis[0], axis[1], None)?;
+            target_under(workpiece, prepared, axis, &touch, chord_tolerance)?;
+            Some(Tip { position: [axis[0], axis[1], touch.height], touch: Some(touch) })
         };
-        Run::along_border(all.into_iter().map(tip).collect())
+        let curves = borders(&inside, &area, chord_tolerance, stop);
+        let foot = |contour: &Contour| Foot::of(workpiece, prepared, contour, chord_tolerance);
+        Self { curves: curves.iter().map(foot).filter(|foot| foot.at_wall.contains(&true)).collect(), radius }
     }
 
-    /// Adds the border from `a`, which is there already, to `b`.
-    fn refine(&self, a: Probe, b: Probe, halvings: u32, all: &mut Vec<Probe>) {
-        let tolerance = self.maker.chord_tolerance;
-        let chord = [b.axis[0] - a.axis[0], b.axis[1] - a.axis[1]];
-        let length = chord[0].hypot(chord[1]);
-        if halvings > 0 && length > 4.0 * tolerance {
-            let middle = [0, 1].map(|part| f64::midpoint(a.axis[part], b.axis[part]));
-            let across = [-chord[1] / length, chord[0] / length];
-            let beside = |distance: f64| self.probe([middle[0] + distance * across[0], middle[1] + distance * across[1]]);
-            let on_chord = beside(0.0);
-            let half = length / 2.0;
-            let sides = [beside(half), beside(-half)];
-            let found = if on_chord.standing.is_some() {
-                // The wall is on the side that does not stand.
-                sides.into_iter().find(|side| side.standing.is_none() && side.height > on_chord.height).map(|wall| self.last_standing(on_chord, wall).0)
-            } else {
-                sides.into_iter().find(|side| side.standing.is_some()).map(|inside| self.last_standing(inside, on_chord).0)
-            };
-            if let Some(found) = found {
-                let off = ((found.axis[0] - middle[0]) * across[0] + (found.axis[1] - middle[1]) * across[1]).abs();
-                let bent = (found.height - f64::midpoint(a.height, b.height)).abs();
-                if off > tolerance / 2.0 || bent > tolerance / 2.0 {
-                    self.refine(a, found, halvings - 1, all);
-                    self.refine(found, b, halvings - 1, all);
-                    return;
-                }
+    /// The runs along feet beside stations that the cutter can reach and a path leaves standing.
+    pub(super) fn runs(&self, stations: &[Station], judged: &[Judged], height: f64) -> Vec<Run> {
+        let cell = self.radius;
+        #[expect(clippy::cast_possible_truncation, reason = "extents over radii are under 2^31")]
+        let cell_of = |point: [f64; 2]| point.map(|part| (part / cell).floor() as i32);
+        let stands = |(station, judged): &(&Station, &Judged)| station.lift <= height && judged.left.is_none_or(|left| left > 1.5 * height);
+        let standing: HashSet<[i32; 2]> = stations.iter().zip(judged).filter(stands).map(|(station, _)| cell_of(station.axis)).collect();
+        let is_near = |tip: &RunTip| {
+            let [x, y] = cell_of([tip.tip[0], tip.tip[1]]);
+            (-1..=1).any(|dx| (-1..=1).any(|dy| standing.contains(&[x + dx, y + dy])))
+        };
+        self.curves.iter().flat_map(|foot| foot.stretches(&is_near, 4.0 * self.radius)).collect()
+    }
+}
+
+impl Foot {
+    fn of(workpiece: &Workpiece, prepared: &Prepared, contour: &Contour, chord_tolerance: f64) -> Self {
+        let radius = prepared.profile.outer_radius();
+        let ends = contour.tips.iter().zip(contour.tips.iter().skip(1).chain(contour.tips.first().filter(|_| contour.closed)));
+        let mut foot = Self { tips: Vec::new(), at_wall: Vec::new(), closed: contour.closed };
+        for (from, to) in ends {
+            let length = travel::distance(from.position, to.position);
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of parts")]
+            let parts = ((2.0 * length / radius).ceil().max(1.0)) as u32;
+            for part in 0..parts {
+                let share = f64::from(part) / f64::from(parts);
+                let tip = [0, 1, 2].map(|axis| from.position[axis] + share * (to.position[axis] - from.position[axis]));
+                foot.push(
+                    workpiece,
+                    prepared,
+                    tip,
+                    [to.position[0] - from.position[0], to.position[1] - from.position[1]],
+                    chord_tolerance,
+                );
             }
         }
-        all.push(b);
+        if let (false, [.., before, last]) = (contour.closed, &contour.tips[..]) {
+            let along = [last.position[0] - before.position[0], last.position[1] - before.position[1]];
+            foot.push(workpiece, prepared, last.position, along, chord_tolerance);
+        }
+        foot
+    }
+
+    /// Adds a tip of the border, which runs along `along` there, the inside on its left.
+    fn push(&mut self, workpiece: &Workpiece, prepared: &Prepared, tip: [f64; 3], along: [f64; 2], chord_tolerance: f64) {
+        let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
+        let distance = BEYOND * prepared.profile.outer_radius();
+        let beyond = [tip[0] + distance * along[1] / length, tip[1] - distance * along[0] / length];
+        let rises = workpiece
+            .drop
+            .drop(&prepared.profile, beyond[0], beyond[1], None)
+            .is_some_and(|touch| touch.height > tip[2] + 2.0 * chord_tolerance);
+        let touch = workpiece.drop.drop(&prepared.profile, tip[0], tip[1], None);
+        let target = touch.and_then(|touch| target_under(workpiece, prepared, [tip[0], tip[1]], &touch, 2.0 * chord_tolerance));
+        let (contact, normal) = touch.map_or((tip, [0.0, 0.0, 1.0]), |touch| (touch.contact.into(), touch.normal.into()));
+        self.tips.push(RunTip { tip, target, contact, normal });
+        self.at_wall.push(rises);
+    }
+
+    /// The stretches at walls that `is_near` accepts, joined over gaps up to `gap` mm along the border.
+    fn stretches(&self, is_near: &dyn Fn(&RunTip) -> bool, gap: f64) -> Vec<Run> {
+        let count = self.tips.len();
+        let mut wanted: Vec<bool> = self.tips.iter().zip(&self.at_wall).map(|(tip, at_wall)| *at_wall && is_near(tip)).collect();
+        let Some(first) = wanted.iter().position(|wanted| *wanted) else { return Vec::new() };
+        // Gaps are closed along the border, a closed one from its first wanted tip all around.
+        let around: Vec<usize> = if self.closed { (first..count).chain(0..first).collect() } else { (0..count).collect() };
+        let mut open: Vec<usize> = Vec::new();
+        let mut length = 0.0;
+        let mut last: Option<usize> = None;
+        for &index in around.iter().chain(self.closed.then_some(&first)) {
+            length += last.map_or(0.0, |last| travel::distance(self.tips[last].tip, self.tips[index].tip));
+            if wanted[index] {
+                if length <= gap {
+                    open.iter().for_each(|between| wanted[*between] = true);
+                }
+                open.clear();
+                length = 0.0;
+            } else {
+                open.push(index);
+            }
+            last = Some(index);
+        }
+        if self.closed && wanted.iter().all(|wanted| *wanted) {
+            let tips = around.iter().chain([&first]).map(|index| self.tips[*index]).collect();
+            return vec![Run::along_border(tips)];
+        }
+        let start = if self.closed { around.iter().position(|index| !wanted[*index]).unwrap_or(0) } else { 0 };
+        let turned: Vec<usize> = around[start..].iter().chain(&around[..start]).copied().collect();
+        let stretches = turned.split(|index| !wanted[*index]).filter(|stretch| stretch.len() > 1);
+        stretches.map(|stretch| Run::along_border(stretch.iter().map(|index| self.tips[*index]).collect())).collect()
     }
 }

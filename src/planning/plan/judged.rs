@@ -96,7 +96,12 @@ impl FinishFigures {
             heights.push(if material.is_finite() { material } else { station.lift.max(height) });
         }
         heights.sort_unstable_by(f64::total_cmp);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "a place among the heights")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "a place among the heights"
+        )]
         let at = |share: f64| {
             let place = (share * heights.len() as f64) as usize;
             Length::computed(heights.get(place.min(heights.len().saturating_sub(1))).copied().unwrap_or(0.0))
@@ -117,12 +122,21 @@ impl FinishFigures {
     }
 }
 
-/// The largest change of a strip's spacing in one round.
-const LARGEST_CHANGE: f64 = 1.35;
+/// The largest changes of a strip's spacing in one round.
+const MOST_NARROWED: f64 = 0.5;
+const MOST_WIDENED: f64 = 1.35;
 
 /// Changes the spacings that lines may have so that the height left between them becomes the scallop height: the height
 /// grows with the square of the spacing. Stations that no line can reach in their strip do not count.
-pub(super) fn respace(allowed: &mut Allowed, lines: &[f64], heading: &Heading, stations: &[Station], judged: &[Judged], height: f64, tolerance: f64) {
+pub(super) fn respace(
+    allowed: &mut Allowed,
+    lines: &[f64],
+    heading: &Heading,
+    stations: &[Station],
+    judged: &[Judged],
+    height: f64,
+    tolerance: f64,
+) {
     if lines.len() < 2 {
         return;
     }
@@ -144,7 +158,7 @@ pub(super) fn respace(allowed: &mut Allowed, lines: &[f64], heading: &Heading, s
             heights.sort_unstable_by(f64::total_cmp);
             // A thousandth of a strip's area may be over.
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);
-            heights.get(place).map_or(1.0, |highest| (height / highest.max(1e-3 * height)).sqrt().clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE))
+            heights.get(place).map_or(1.0, |highest| (height / highest.max(1e-3 * height)).sqrt().clamp(MOST_NARROWED, MOST_WIDENED))
         })
         .collect();
     for (strip, pair) in lines.windows(2).enumerate() {

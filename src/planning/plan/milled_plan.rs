@@ -1,7 +1,7 @@
 //! The zigzag of a candidate in one direction: lines, their runs, the path, and what it leaves, milled; the lines move until
 //! the scallop height is kept and used.
 
-use super::border::border_runs;
+use super::border::Feet;
 use super::estimate::MOST_LINES;
 use super::judged::{FinishFigures, Judged, judged, respace};
 use super::prepared::Prepared;
@@ -14,6 +14,7 @@ use super::workpiece::Workpiece;
 use crate::path::Milled;
 use crate::quantity::Angle;
 use rayon::prelude::*;
+use std::cell::OnceCell;
 
 /// The share of the scallop height by which chords between tips may differ from the tips' surface.
 pub(super) const CHORD_SHARE: f64 = 0.1;
@@ -46,20 +47,21 @@ pub(super) enum NoPlan {
 }
 
 /// What the plans of a candidate share.
-#[derive(Clone, Copy)]
 pub(super) struct Planner<'a> {
     pub(super) workpiece: &'a Workpiece,
     pub(super) prepared: &'a Prepared,
     pub(super) settings: &'a PlanSettings,
     /// The stations on which lines are spaced and the plan is judged.
     pub(super) stations: &'a [Station],
+    /// The feet of walls, once a plan needs them.
+    pub(super) feet: OnceCell<Feet>,
     pub(super) stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl Planner<'_> {
     /// The milled plan in a direction.
     pub(super) fn plan(&self, direction: Angle) -> Result<MilledPlan, NoPlan> {
-        let Self { workpiece, prepared, settings, stations, stop } = *self;
+        let Self { workpiece, prepared, settings, stations, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let heading = Heading::of(direction.radians());
         let spread = Spread::new(workpiece, stations, prepared, &heading, height);
@@ -87,7 +89,11 @@ impl Planner<'_> {
             let mut plan = self.judged_plan(&maker, direction, &lines, &runs)?;
             respace(&mut allowed, &lines, &heading, stations, &plan.judged, height, height);
             if self.left_standing(&plan) > 0.0 {
-                let along_borders = border_runs(&maker, stations, &plan.judged, height);
+                let along_borders = self.feet.get_or_init(|| Feet::of(workpiece, prepared, maker.chord_tolerance, stop)).runs(
+                    stations,
+                    &plan.judged,
+                    height,
+                );
                 if !along_borders.is_empty() {
                     runs.extend(along_borders);
                     plan = self.judged_plan(&maker, direction, &lines, &runs)?;
@@ -102,7 +108,7 @@ impl Planner<'_> {
     }
 
     fn judged_plan(&self, maker: &RunMaker, direction: Angle, lines: &[f64], runs: &[Run]) -> Result<MilledPlan, NoPlan> {
-        let Self { workpiece, prepared, settings, stations, stop } = *self;
+        let Self { workpiece, prepared, settings, stations, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let tour = Tour::of(workpiece, prepared, settings, runs, maker.chord_tolerance);
         let milled = Milled::new(prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;

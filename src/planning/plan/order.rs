@@ -11,7 +11,7 @@ pub(super) struct Leg {
     pub(super) reversed: bool,
 }
 
-/// The runs in an order with few lifts: from each run to the one on a neighbouring line whose end is within `near` mm, ahead
+/// The runs in an order with few lifts: from each run to the one on a neighbouring line whose end is nearest and within `near` mm, ahead
 /// before behind; where there is none, to the nearest end of all. One way, every run begins at its first tip.
 ///
 /// `runs` are sorted by line; runs along borders, without a line, follow.
@@ -31,8 +31,10 @@ pub(super) fn in_order(runs: &[Run], pattern: Pattern, near: f64) -> Vec<Leg> {
         let neighbour = runs[leg.run].line.and_then(|line| {
             let sides = if ahead { [line.checked_add(1), line.checked_sub(1)] } else { [line.checked_sub(1), line.checked_add(1)] };
             sides.into_iter().enumerate().find_map(|(turned, side)| {
-                let leg = nearest(runs, &open, lines.of_line(side?), pattern, from).filter(|found| found.1 <= near)?;
-                Some((leg.0, turned == 1))
+                let (leg, _) = nearest(runs, &open, lines.of_line(side?), pattern, from)?;
+                let end = runs[leg.run].end(leg.reversed);
+                let is_near = pattern == Pattern::OneWay || (end[0] - from[0]).hypot(end[1] - from[1]) <= near;
+                is_near.then_some((leg, turned == 1))
             })
         });
         next = match neighbour {
@@ -46,14 +48,18 @@ pub(super) fn in_order(runs: &[Run], pattern: Pattern, near: f64) -> Vec<Leg> {
     order
 }
 
-/// The open run with the nearest end, and its distance seen from above.
+/// The millimetres across that a millimetre up or down counts for.
+const LEVELS_APART: f64 = 2.0;
+
+/// The open run with the nearest end, and its distance.
 fn nearest(runs: &[Run], open: &[bool], among: std::ops::Range<usize>, pattern: Pattern, from: [f64; 3]) -> Option<(Leg, f64)> {
     let senses: &[bool] = if pattern == Pattern::OneWay { &[false] } else { &[false, true] };
     let mut best: Option<(Leg, f64)> = None;
     for run in among.filter(|run| open[*run]) {
         for &reversed in senses {
             let end = runs[run].end(reversed);
-            let distance = (end[0] - from[0]).hypot(end[1] - from[1]);
+            // A link up or down a wall costs more than one of its length on a level.
+            let distance = (end[0] - from[0]).hypot(end[1] - from[1]) + LEVELS_APART * (end[2] - from[2]).abs();
             if best.is_none_or(|best| distance < best.1) {
                 best = Some((Leg { run, reversed }, distance));
             }

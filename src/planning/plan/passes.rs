@@ -82,7 +82,10 @@ pub fn passes(
         });
         PassPoint { tip: point.tip, kind: point.kind, cut, feed_per_tooth, feed_rate: Speed::computed(point.rate) }
     };
-    Some(Passes { points: (0..points.len()).into_par_iter().with_min_len(64).map(point).collect(), run_starts: milled.tour.run_starts.clone() })
+    Some(Passes {
+        points: (0..points.len()).into_par_iter().with_min_len(64).map(point).collect(),
+        run_starts: milled.tour.run_starts.clone(),
+    })
 }
 
 /// The distance from a line to the farther of its neighbours; of a single line, its distance to the border is not known, and
@@ -116,7 +119,13 @@ fn height_at(
     let height = || {
         let contact = Contact::from_vectors(facet.normal, along, None).ok()?;
         let surface = SurfaceCurvature::from_components_per_mm(curvature[0], curvature[1], curvature[2]).ok()?;
-        let pass = Pass { cutter: candidate.cutter, contact, surface, runout: Runout::NONE, teeth: candidate.drive.and_then(|drive| NonZeroU32::new(drive.teeth)) };
+        let pass = Pass {
+            cutter: candidate.cutter,
+            contact,
+            surface,
+            runout: Runout::NONE,
+            teeth: candidate.drive.and_then(|drive| NonZeroU32::new(drive.teeth)),
+        };
         let evaluated = EvaluatedPass::fitting(settings.model, pass).ok()??;
         Some(evaluated.scallop_height(step_over, feed_per_tooth).ok()?.total())
     };

@@ -12,10 +12,11 @@ use super::stations::{Station, stations};
 use super::tour::TourFigures;
 use super::weakness::{SurfaceEvidence, SurfaceWeakness};
 use super::workpiece::{SurfaceFigures, Workpiece};
-use crate::planning::{Confidence, RectanglePlan, plan_on_rectangle};
 use crate::milling::{Cutter, Model};
+use crate::planning::{Confidence, RectanglePlan, plan_on_rectangle};
 use crate::quantity::{Angle, Length, Speed, Time};
 use rayon::prelude::*;
+use std::cell::OnceCell;
 use std::fmt;
 
 /// The places on which directions are estimated.
@@ -222,7 +223,7 @@ pub fn rank(
             continue;
         }
         let on = stations(workpiece, &of_candidate.prepared.profile, &many, height, stop);
-        let planner = Planner { workpiece, prepared: &of_candidate.prepared, settings, stations: &on, stop };
+        let planner = Planner { workpiece, prepared: &of_candidate.prepared, settings, stations: &on, feet: OnceCell::new(), stop };
         let (mut best, mut times): (Option<MilledPlan>, Vec<(Angle, Option<Time>)>) = (None, Vec::new());
         for direction in of_candidate.to_mill() {
             match planner.plan(direction) {
@@ -291,7 +292,9 @@ fn estimate(
                 let mut best: Vec<(Angle, f64)> = times.iter().filter_map(|&(angle, seconds)| Some((angle, seconds?))).collect();
                 best.sort_by(|a, b| a.1.total_cmp(&b.1));
                 best.truncate(MOST_MILLED);
-                let beside = |(angle, _): (Angle, f64)| [-step, step].map(|by| Angle::from_radians((angle.degrees() + by).rem_euclid(180.0).to_radians()));
+                let beside = |(angle, _): (Angle, f64)| {
+                    [-step, step].map(|by| Angle::from_radians((angle.degrees() + by).rem_euclid(180.0).to_radians()))
+                };
                 let mut new: Vec<Angle> = best.into_iter().flat_map(beside).collect();
                 new.retain(|angle| times.iter().all(|(other, _)| lines_apart(*other, *angle) > 0.2));
                 times.extend(all(new));
@@ -338,7 +341,10 @@ impl Estimated {
         let figures = MilledFigures {
             tour,
             lines: best.lines.len(),
-            step_over: SpacingFigures::of(&best.lines, (high[0] - low[0]).hypot(high[1] - low[1]).min(2.0 * self.prepared.profile.outer_radius())),
+            step_over: SpacingFigures::of(
+                &best.lines,
+                (high[0] - low[0]).hypot(high[1] - low[1]).min(2.0 * self.prepared.profile.outer_radius()),
+            ),
             feed_rate: Speed::computed(rate),
             feed_per_tooth: self.prepared.range.map(|range| Length::computed(rate / range.teeth_per_second)),
             finish: best.finish,

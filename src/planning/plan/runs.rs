@@ -54,8 +54,54 @@ pub(super) struct RunMaker<'a> {
     pub(super) stop: &'a (dyn Fn() -> bool + Sync),
 }
 
+/// The cosine of the slope under which a contact is level: a rounding error.
+const LEVEL: f64 = 1.0 - 1e-12;
+
+/// The target that a tip with its axis at a point finishes. Under the flat of a cutter every place of a level facet is touched
+/// at once: it counts as touched where the axis is over it.
+pub(super) fn target_under(workpiece: &Workpiece, prepared: &Prepared, axis: [f64; 2], touch: &Touch, tolerance: f64) -> Option<usize> {
+    let flat = prepared.profile.arcs()[0].point(0.0).0;
+    if flat > 0.0 && touch.normal.z > LEVEL {
+        let under = workpiece.facet_under(axis)?;
+        return (touch.height - under.height <= tolerance).then(|| workpiece.target_of(under.facet)).flatten();
+    }
+    workpiece.finished_by(touch)
+}
+
 /// The width in mm to which the end of a run is narrowed down.
 const END: f64 = 1e-3;
+
+/// The largest step, in radii of the cutter, that a run passes at the feed rate. Down a higher wall the cutter would plunge.
+pub(super) const STEP_IN_RADII: f64 = 0.25;
+
+/// A move steeper than this tangent is part of a step.
+const STEEP: f64 = 4.0;
+
+/// The largest height in mm of consecutive steep moves in one sense.
+pub(super) fn highest_step(points: &[[f64; 3]]) -> f64 {
+    let (mut highest, mut step) = (0.0_f64, 0.0_f64);
+    for pair in points.windows(2) {
+        let rise = pair[1][2] - pair[0][2];
+        let is_steep = rise.abs() > STEEP * (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+        step = if is_steep && step * rise >= 0.0 {
+            step + rise
+        } else if is_steep {
+            rise
+        } else {
+            0.0
+        };
+        highest = highest.max(step.abs());
+    }
+    highest
+}
+
+/// A line across the part.
+#[derive(Debug, Clone, Copy)]
+struct Line {
+    across: f64,
+    /// Half of the distances in mm to the neighbouring lines, on the right and on the left: what this line has to finish.
+    half: [f64; 2],
+}
 
 /// A tip of a line, before it is divided into runs.
 #[derive(Debug, Clone, Copy)]
@@ -77,11 +123,13 @@ impl RunMaker<'_> {
 
     fn runs_of_line(&self, line: usize, across: f64, lines: &[f64]) -> Vec<Run> {
         let radius = self.prepared.profile.outer_radius();
-        let neighbour = |other: Option<&f64>| other.map_or(radius, |other| (other - across).abs());
-        let strip = self.spread.between(
-            across - neighbour(line.checked_sub(1).and_then(|before| lines.get(before))),
-            across + neighbour(lines.get(line + 1)),
-        );
+        let distance = |other: Option<usize>| other.and_then(|other| lines.get(other)).map(|other| (other - across).abs());
+        let (before, after) = (distance(line.checked_sub(1)), distance(line.checked_add(1)));
+        // A line at the border is as far from it as half its other spacing.
+        let [before, after] = [before.or(after).unwrap_or(radius), after.or(before).unwrap_or(radius)];
+        let position = line;
+        let line = Line { across, half: [before / 2.0, after / 2.0] };
+        let strip = self.spread.between(across - before, across + after);
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
         for seen in strip {
             (first, last) = (first.min(seen.along), last.max(seen.along));
@@ -96,37 +144,43 @@ impl RunMaker<'_> {
         let tips = tips_between(&self.workpiece.drop, &self.prepared.profile, ends[0], ends[1], self.chord_tolerance, Some(floor));
         let tips = tips.into_iter().map(|tip| {
             let [along, _] = self.heading.of_point([tip.position[0], tip.position[1]]);
-            self.line_tip(along, across, tip.position[2], tip.touch)
+            self.line_tip(along, &line, tip.position[2], tip.touch)
         });
-        let tips = self.with_ends_of_targets(tips.collect(), across);
-        self.divided(line, across, &tips)
+        let tips = self.with_ends_of_targets(tips.collect(), &line);
+        self.divided(position, across, &tips)
     }
 
-    fn line_tip(&self, along: f64, across: f64, height: f64, touch: Option<Touch>) -> LineTip {
-        let target = touch.as_ref().and_then(|touch| self.target_under(self.heading.point([along, across]), touch));
+    fn line_tip(&self, along: f64, line: &Line, height: f64, touch: Option<Touch>) -> LineTip {
+        let target = touch.as_ref().and_then(|touch| {
+            let axis = self.heading.point([along, line.across]);
+            target_under(self.workpiece, self.prepared, axis, touch, self.chord_tolerance)
+                .or_else(|| self.target_beside(along, line, touch))
+        });
         LineTip { along, height, touch, target }
     }
 
-    /// The target that a tip with its axis at a point finishes. Under the flat of a cutter every place of a level facet is
-    /// touched at once: it counts as touched where the axis is over it.
-    pub(super) fn target_under(&self, axis: [f64; 2], touch: &Touch) -> Option<usize> {
-        let flat = self.prepared.profile.arcs()[0].point(0.0).0;
-        if flat > 0.0 && touch.normal.z > 1.0 - 1e-12 {
-            let under = self.workpiece.facet_under(axis)?;
-            return (touch.height - under.height <= self.chord_tolerance).then(|| self.workpiece.target_of(under.facet)).flatten();
+    /// The level target beside a line that the flat of the cutter finishes although the axis is not over it.
+    fn target_beside(&self, along: f64, line: &Line, touch: &Touch) -> Option<usize> {
+        if touch.normal.z <= LEVEL {
+            return None;
         }
-        self.workpiece.finished_by(touch)
+        let flat = self.prepared.profile.arcs()[0].point(0.0).0;
+        let [right, left] = line.half.map(|half| 0.98 * half.min(flat));
+        [line.across - right, line.across + left].into_iter().find_map(|across| {
+            let under = self.workpiece.facet_under(self.heading.point([along, across]))?;
+            ((touch.height - under.height).abs() <= self.chord_tolerance).then(|| self.workpiece.target_of(under.facet)).flatten()
+        })
     }
 
-    fn dropped(&self, along: f64, across: f64, guess: Option<Touch>) -> LineTip {
-        let [x, y] = self.heading.point([along, across]);
+    fn dropped(&self, along: f64, line: &Line, guess: Option<Touch>) -> LineTip {
+        let [x, y] = self.heading.point([along, line.across]);
         let touch = self.workpiece.drop.drop(&self.prepared.profile, x, y, guess.map(|touch| touch.facet));
         let height = touch.as_ref().map_or(f64::NEG_INFINITY, |touch| touch.height);
-        self.line_tip(along, across, height, touch)
+        self.line_tip(along, line, height, touch)
     }
 
     /// The tips of a line with further ones on both sides of each place at which a target begins or ends.
-    fn with_ends_of_targets(&self, tips: Vec<LineTip>, across: f64) -> Vec<LineTip> {
+    fn with_ends_of_targets(&self, tips: Vec<LineTip>, line: &Line) -> Vec<LineTip> {
         let step = (self.prepared.profile.outer_radius() / 4.0).max(self.chord_tolerance);
         let mut all: Vec<LineTip> = Vec::with_capacity(tips.len() + 16);
         for tip in tips {
@@ -140,10 +194,10 @@ impl RunMaker<'_> {
                         tip
                     } else {
                         let at = before.along + length * f64::from(part) / f64::from(steps);
-                        self.dropped(at, across, near.touch)
+                        self.dropped(at, line, near.touch)
                     };
                     if near.target.is_some() != far.target.is_some() {
-                        self.push_border(&mut all, near, far, across);
+                        self.push_border(&mut all, near, far, line);
                     }
                     near = far;
                 }
@@ -154,9 +208,9 @@ impl RunMaker<'_> {
     }
 
     /// Adds the two tips between which a target begins or ends.
-    fn push_border(&self, all: &mut Vec<LineTip>, mut near: LineTip, mut far: LineTip, across: f64) {
+    fn push_border(&self, all: &mut Vec<LineTip>, mut near: LineTip, mut far: LineTip, line: &Line) {
         while far.along - near.along > END {
-            let middle = self.dropped(f64::midpoint(near.along, far.along), across, near.touch.or(far.touch));
+            let middle = self.dropped(f64::midpoint(near.along, far.along), line, near.touch.or(far.touch));
             if middle.target.is_some() == near.target.is_some() { near = middle } else { far = middle }
         }
         for tip in [near, far] {
@@ -193,6 +247,7 @@ impl RunMaker<'_> {
                 let gap: Vec<[f64; 3]> = tips[before[1]..=first].iter().map(point).collect();
                 let over = travel::lift(gap[0], gap[gap.len() - 1], self.clearance, self.prepared.link_rate, self.machine);
                 if tips[first].along - tips[before[1]].along <= diameter
+                    && highest_step(&gap) <= STEP_IN_RADII * diameter / 2.0
                     && travel::length_of(gap.iter()) / self.prepared.link_rate < over
                 {
                     before[1] = last;
@@ -202,8 +257,13 @@ impl RunMaker<'_> {
             joined.push([first, last]);
         }
         let run = |[first, last]: [usize; 2]| {
-            let falls = |end: usize, beyond: Option<usize>| beyond.and_then(|beyond| tips.get(beyond)).is_none_or(|next| next.height < tips[end].height + self.chord_tolerance);
-            let open = [falls(first, first.checked_sub(1)), falls(last, Some(last + 1))];
+            let falls = |end: usize, beyond: Option<usize>| {
+                beyond.and_then(|beyond| tips.get(beyond)).is_none_or(|next| next.height < tips[end].height + self.chord_tolerance)
+            };
+            // Where the flat finishes a level border, the half strips beside the line are finished already.
+            let flat = self.prepared.profile.arcs()[0].point(0.0).0;
+            let is_level = |end: usize| flat > 0.0 && tips[end].touch.is_some_and(|touch| touch.normal.z > LEVEL);
+            let open = [falls(first, first.checked_sub(1)) && !is_level(first), falls(last, Some(last + 1)) && !is_level(last)];
             let tips = tips[first..=last].iter().map(|tip| {
                 let (contact, normal) = tip.touch.map_or(([0.0; 3], [0.0, 0.0, 1.0]), |touch| (touch.contact.into(), touch.normal.into()));
                 RunTip { tip: point(tip), target: tip.target, contact, normal }
@@ -267,7 +327,10 @@ impl RunMaker<'_> {
             [x, y, end.tip[2] + slope * part * length]
         };
         let is_free = |point: [f64; 3]| {
-            self.workpiece.drop.drop(&self.prepared.profile, point[0], point[1], None).is_none_or(|touch| touch.height <= point[2] + self.chord_tolerance)
+            self.workpiece
+                .drop
+                .drop(&self.prepared.profile, point[0], point[1], None)
+                .is_none_or(|touch| touch.height <= point[2] + self.chord_tolerance)
         };
         if [0.25, 0.5, 0.75, 1.0].into_iter().all(|part| is_free(at(part))) {
             let tip = RunTip { tip: at(1.0), target: None, ..end };

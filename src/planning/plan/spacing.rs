@@ -100,7 +100,10 @@ impl CutterSpacing {
                 // A ball-end cutter leaves the same height at every slope and in every direction.
                 let best = best_step_over(cutter, Contact::from_degrees(0.0, 0.0).ok(), model, height, Some(range.largest), diameter);
                 let (step_over, feed) = best.map_or((0.0, range.largest), |best| (best.step_over, best.feed_per_tooth));
-                (Law::Constant { squared: step_over * step_over }, FeedLaw::Table(FeedTable { range, nodes: vec![[feed, share(step_over, cutter, h)]] }))
+                (
+                    Law::Constant { squared: step_over * step_over },
+                    FeedLaw::Table(FeedTable { range, nodes: vec![[feed, share(step_over, cutter, h)]] }),
+                )
             }
             _ => tabulated(inputs),
         };

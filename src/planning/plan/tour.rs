@@ -2,11 +2,14 @@
 
 use super::order::{Leg, in_order};
 use super::prepared::Prepared;
-use super::runs::{Run, RunTip};
+use super::runs::{Run, RunTip, STEP_IN_RADII, highest_step};
 use super::settings::{Pattern, PlanSettings};
 use super::travel::{self, APPROACH_HEIGHT};
 use super::workpiece::Workpiece;
 use crate::path::{Move, MoveKind, tips_between};
+
+/// Links longer than this in radii of the cutter go over the clearance height.
+const NEAR_IN_RADII: f64 = 6.0;
 
 /// How the tool gets to a point of the path, and what it does there.
 #[derive(Debug, Clone, Copy)]
@@ -50,11 +53,11 @@ pub(super) struct Tour {
 }
 
 impl Tour {
-    /// The path of runs. Links no longer than the cutter's diameter stay on the surface where that is sooner.
+    /// The path of runs. Short links without steps stay on the surface where that is sooner than over the clearance height.
     pub(super) fn of(workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, runs: &[Run], chord_tolerance: f64) -> Self {
-        let diameter = 2.0 * prepared.profile.outer_radius();
+        let near = NEAR_IN_RADII * prepared.profile.outer_radius();
         let mut tour = Self::default();
-        for leg in in_order(runs, settings.pattern, diameter) {
+        for leg in in_order(runs, settings.pattern, near) {
             tour.add_link(workpiece, prepared, settings, runs, leg, chord_tolerance);
             tour.add_run(workpiece, prepared, settings, &runs[leg.run], leg.reversed);
         }
@@ -110,9 +113,11 @@ impl Tour {
         let clearance = workpiece.top + settings.machine.clearance_height.mm();
         let machine = &settings.machine;
         let over = travel::lift(from, to, clearance, prepared.link_rate, machine);
-        let is_near = (to[0] - from[0]).hypot(to[1] - from[1]) <= 2.0 * prepared.profile.outer_radius();
-        let surface = (is_near && settings.pattern == Pattern::Zigzag).then(|| link_on_surface(workpiece, prepared, from, to, chord_tolerance));
-        let surface = surface.map(|points| (travel::length_of(points.iter()), points));
+        let is_near = (to[0] - from[0]).hypot(to[1] - from[1]) <= NEAR_IN_RADII * prepared.profile.outer_radius();
+        let surface =
+            (is_near && settings.pattern == Pattern::Zigzag).then(|| link_on_surface(workpiece, prepared, from, to, chord_tolerance));
+        let step = STEP_IN_RADII * prepared.profile.outer_radius();
+        let surface = surface.filter(|points| highest_step(points) <= step).map(|points| (travel::length_of(points.iter()), points));
         self.figures.links += 1;
         if let Some((length, points)) = surface.filter(|(length, _)| travel::straight(*length, prepared.link_rate, machine) <= over) {
             self.figures.link_length += length;

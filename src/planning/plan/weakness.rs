@@ -88,7 +88,11 @@ impl fmt::Display for Reason<SurfaceWeakness> {
                 )
             }
             SurfaceWeakness::OverTolerance => {
-                write!(f, "{:.2} % of the area is left more than 2 % over the scallop height although the cutter reaches it", 100.0 * figure)
+                write!(
+                    f,
+                    "{:.2} % of the area is left more than 2 % over the scallop height although the cutter reaches it",
+                    100.0 * figure
+                )
             }
             SurfaceWeakness::Gouge => write!(f, "the path cuts {figure:.2} times the scallop height deep into the part, over {threshold}"),
         }

@@ -152,7 +152,8 @@ impl Workpiece {
 
     /// Whether a point with these facets around it is on an edge that belongs to one facet only.
     fn is_on_border(&self, point: u32, around: &[u32]) -> bool {
-        let mut others: Vec<u32> = around.iter().flat_map(|facet| self.triangles[*facet as usize]).filter(|corner| *corner != point).collect();
+        let mut others: Vec<u32> =
+            around.iter().flat_map(|facet| self.triangles[*facet as usize]).filter(|corner| *corner != point).collect();
         others.sort_unstable();
         others.chunk_by(|a, b| a == b).any(|same| same.len() == 1)
     }
