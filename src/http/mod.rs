@@ -3,6 +3,7 @@
 
 mod app_state;
 mod body;
+mod body_pipe;
 mod calculation;
 mod codes;
 mod collected_body;

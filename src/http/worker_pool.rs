@@ -114,6 +114,14 @@ impl Work {
         self.workers.run_piece(piece).await
     }
 
+    /// Runs `reading`, which may wait for data, as [`WorkerPool::run_reader`].
+    ///
+    /// # Errors
+    /// [`Overload::Workers`] if no thread becomes free.
+    pub(crate) async fn run_reader<T: Send + 'static>(&self, reading: impl FnOnce() -> T + Send + 'static) -> Result<T, Overload> {
+        self.workers.run_reader(Self::LONGEST_WAIT_OF_PLAN, reading).await.ok_or_else(|| self.refuse())
+    }
+
     /// The memory budget.
     #[must_use]
     pub fn budget(&self) -> &MemoryBudget {

@@ -23,7 +23,7 @@ mod profile;
 pub use analytic::{Analytic, EffectiveRadius};
 pub use contact::{Contact, ContactError};
 pub use curvature::{CurvatureComponent, CurvatureOutOfRange, SurfaceCurvature};
-pub use cutter::{CornerTooLarge, Cutter, CutterKind};
+pub use cutter::{Cutter, CutterError, CutterKind};
 pub use cutting_parameters::{CuttingLimits, CuttingLimitsError, CuttingParameters, LimitedBy};
 pub use envelope::Envelope;
 pub use model::{EvaluatedPass, Model};

@@ -134,7 +134,7 @@ impl Element {
 }
 
 impl Body {
-    pub(super) fn new(profile: Profile) -> Self {
+    pub(super) fn new(profile: &Profile) -> Self {
         let mut elements: Vec<Element> = Vec::with_capacity(8);
         let mut reached = (0.0, 0.0);
         for arc in profile.arcs() {
@@ -159,7 +159,7 @@ impl Body {
         }
         let side = Shape::Straight { slope: SIDE, start: reached.0, height: reached.1 };
         elements.push(Element { shape: side, start: reached.0, end: f64::INFINITY, start_slope: SIDE, end_slope: SIDE });
-        Self { profile, elements }
+        Self { profile: *profile, elements }
     }
 
     pub(super) fn profile(&self) -> &Profile {
@@ -256,7 +256,7 @@ impl Body {
             best - height / slope
         } else {
             // The tangent plane of the solid with the place's normal is before the solid.
-            self.tangent_plane(swept, ray)
+            swept.tangent_plane(ray)
         };
         for _ in 0..60 {
             let (height, slope) = at(t);
@@ -326,14 +326,6 @@ impl Body {
         };
         self.profile.arcs().iter().map(from).fold(f64::INFINITY, f64::min)
     }
-
-    /// A bound from below for the level: where the plane with the place's normal that touches the swept solid is.
-    #[inline]
-    pub(super) fn tangent_plane(&self, swept: &Swept, ray: &Ray) -> f64 {
-        let [a, b] = [swept.start, swept.end()];
-        let along = |tip: [f64; 3]| (0..3).map(|axis| ray.normal[axis] * (tip[axis] - ray.point[axis])).sum::<f64>();
-        along(a).min(along(b)) - ray.support
-    }
 }
 
 impl Swept {
@@ -361,6 +353,14 @@ impl Swept {
     pub(super) fn end(&self) -> [f64; 3] {
         let [x, y, z] = self.start;
         [x + self.along[0] * self.length, y + self.along[1] * self.length, z + self.grade * self.length]
+    }
+
+    /// A bound from below for the level: where the plane with the place's normal that touches the swept solid is.
+    #[inline]
+    pub(super) fn tangent_plane(&self, ray: &Ray) -> f64 {
+        let [a, b] = [self.start, self.end()];
+        let along = |tip: [f64; 3]| (0..3).map(|axis| ray.normal[axis] * (tip[axis] - ray.point[axis])).sum::<f64>();
+        along(a).min(along(b)) - ray.support
     }
 
     /// The square of the distance in plan view.

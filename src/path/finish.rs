@@ -1,5 +1,7 @@
 //! The finish that a path leaves: shares of the area, percentiles, and the worst places.
 
+#![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts are below 2^52")]
+
 use super::climbing::{Climbed, climbed};
 use super::milled::{Left, Milled};
 use super::places::{Place, Places};

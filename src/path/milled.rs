@@ -1,5 +1,12 @@
 //! What given moves of a cutter leave on a surface.
 
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "cells and moves are fewer than 2^32"
+)]
+
 use super::body::{Body, Ray, Swept};
 use super::move_grid::{Cells, MoveGrid};
 use super::moves::{Move, MoveKind};
@@ -64,7 +71,7 @@ impl Milled {
     ///
     /// It takes about 64 bytes for each move, and at most 80 MB for the grids.
     #[must_use]
-    pub fn new(profile: Profile, moves: &[Move], stop: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
+    pub fn new(profile: &Profile, moves: &[Move], stop: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
         let radius = profile.outer_radius();
         let clearing = Moves::new(moves, radius, stop, |kind| kind != MoveKind::Rapid);
         let rapid = Moves::new(moves, radius, stop, |kind| kind == MoveKind::Rapid);

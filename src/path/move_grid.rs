@@ -1,5 +1,13 @@
 //! The moves of a path in the cells of a grid in plan view.
 
+#![allow(clippy::cast_precision_loss, reason = "counts are below 2^52")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "cells and moves are fewer than 2^32"
+)]
+
 use super::body::Swept;
 
 /// The most cells and the most moves in cells: 16 MB and 64 MB.

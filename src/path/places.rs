@@ -1,5 +1,13 @@
 //! Places on a surface at which what a path leaves is looked at.
 
+#![allow(clippy::cast_precision_loss, reason = "counts are below 2^52")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "cells and moves are fewer than 2^32"
+)]
+
 use super::random::Random;
 use crate::numerics::vector::{cross, difference, length};
 use crate::surface::Mesh;

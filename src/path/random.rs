@@ -1,5 +1,7 @@
 //! Numbers that look random and are the same in every run.
 
+#![allow(clippy::cast_precision_loss, reason = "counts are below 2^52")]
+
 /// The generator Splitmix64 [Steele et al. 2014, doi:10.1145/2660193.2660195].
 #[derive(Debug, Clone)]
 pub(super) struct Random(u64);

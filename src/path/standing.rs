@@ -1,5 +1,13 @@
 //! Where a cutter can stand on a part without cutting it.
 
+#![allow(clippy::cast_precision_loss, reason = "counts are below 2^52")]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "cells and moves are fewer than 2^32"
+)]
+
 use super::body::{Body, Ray, Swept};
 use super::places::{Place, Places, twice_area};
 use crate::milling::Profile;
@@ -57,7 +65,7 @@ impl Obstacles {
             .filter_map(|facet| {
                 let (corners, normal) = (mesh.corners(facet), mesh.normal_and_area(facet).0);
                 let top = corners.iter().fold(f64::NEG_INFINITY, |top, corner| top.max(corner[2]));
-                (normal != [0.0; 3] && normal[2] >= -1e-4).then_some(Obstacle { corners, normal, top })
+                (dot(normal, normal) > 0.0 && normal[2] >= -1e-4).then_some(Obstacle { corners, normal, top })
             })
             .collect();
         let bounds = mesh.bounds();
@@ -111,7 +119,7 @@ impl Obstacle {
             return false;
         }
         let ray = body.ray(self.corners[0], self.normal);
-        if body.tangent_plane(&Swept::new(tip, tip), &ray) >= -tolerance {
+        if Swept::new(tip, tip).tangent_plane(&ray) >= -tolerance {
             return false;
         }
         let contact = difference(tip, ray.tip);
@@ -139,7 +147,7 @@ impl Obstacle {
 impl<'a> Reach<'a> {
     /// What a cutter of this profile can reach among the places; the tolerance in mm, > 0.
     #[must_use]
-    pub fn new(profile: Profile, obstacles: &'a Obstacles, places: &'a Places, tolerance: f64) -> Self {
+    pub fn new(profile: &Profile, obstacles: &'a Obstacles, places: &'a Places, tolerance: f64) -> Self {
         let known = places.inside.iter().map(|_| AtomicU8::new(UNKNOWN)).collect();
         Self { obstacles, places, body: Body::new(profile), tolerance, known }
     }

@@ -1,5 +1,7 @@
 //! What is left against closed forms and against the model `envelope`.
 
+#![allow(clippy::cast_possible_truncation, reason = "few facets and passes")]
+
 use super::*;
 use crate::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Profile, Runout, SurfaceCurvature};
 use crate::quantity::Length;
@@ -12,7 +14,7 @@ fn cut(from: Vector3<f64>, to: Vector3<f64>) -> Move {
     Move { from: from.into(), to: to.into(), kind: MoveKind::Cut }
 }
 
-fn milled(profile: Profile, moves: &[Move]) -> Milled {
+fn milled(profile: &Profile, moves: &[Move]) -> Milled {
     Milled::new(profile, moves, &|| false).unwrap()
 }
 
@@ -73,7 +75,7 @@ fn a_ball_leaves_circles_on_planes() {
     for (slope, azimuth, feed) in [(0.0, 0.0, 0.0), (5.0, 20.0, 70.0), (45.0, 100.0, 10.0), (80.0, 200.0, 45.0), (80.0, 30.0, 90.0)] {
         for length in [0.4, 3.0, 40.0] {
             let plane = Plane::new(slope, azimuth, feed);
-            let milled = milled(Profile::torus(3.0, 3.0), &plane.passes(3.0, 3.0, 0.5, length));
+            let milled = milled(&Profile::torus(3.0, 3.0), &plane.passes(3.0, 3.0, 0.5, length));
             // The middle between two passes is one of the 4001 places. The search's steps end at 1e-7 mm.
             assert_relative_eq!(ridge(&plane, &milled, 0.5), 3.0 - (9.0_f64 - 0.0625).sqrt(), epsilon = 1e-8);
         }
@@ -94,7 +96,7 @@ fn a_ball_leaves_circles_on_a_sphere() {
             moves.push(cut(from, to));
         }
     }
-    let milled = milled(Profile::torus(ball, ball), &moves);
+    let milled = milled(&Profile::torus(ball, ball), &moves);
     let centre = sphere + ball;
     let expected = centre * (step / 2.0).cos() - (ball * ball - (centre * (step / 2.0).sin()).powi(2)).sqrt() - sphere;
     for ring in 10..40 {
@@ -135,7 +137,7 @@ fn a_torus_leaves_on_planes_what_the_envelope_has() {
             .mm();
         for length in [0.5, 40.0] {
             let plane = Plane::new(slope, 17.0, feed);
-            let milled = milled(Profile::torus(5.0, 2.0), &plane.passes(5.0, 2.0, step_over, length));
+            let milled = milled(&Profile::torus(5.0, 2.0), &plane.passes(5.0, 2.0, step_over, length));
             // The ridge is at most 1/8000 of the step-over from a place; a ridge falls off at most as 4 h per step-over.
             assert_relative_eq!(ridge(&plane, &milled, step_over), expected, max_relative = 6e-4);
         }
@@ -176,7 +178,7 @@ fn the_level_is_the_first_of_the_ray_in_the_solid_at_many_tips() {
             let azimuth = within(0.0, 6.3);
             let normal = Vector3::new(slope.sin() * azimuth.cos(), slope.sin() * azimuth.sin(), slope.cos());
             let point = Vector3::new(within(-3.0, 3.0), within(-3.0, 3.0), within(-2.0, 1.0));
-            let found = milled(profile, &[cut(from, to)]).left_at(point.into(), normal.into());
+            let found = milled(&profile, &[cut(from, to)]).left_at(point.into(), normal.into());
             let is_inside = |t: f64| {
                 (0..=2000).any(|step| {
                     let tip = from + (to - from) * f64::from(step) / 2000.0;
@@ -225,23 +227,23 @@ fn faults_of_a_path_are_found_with_their_moves() {
     let ball = Profile::torus(3.0, 3.0);
     let up: [f64; 3] = Vector3::z().into();
     let place = plane.at(1.0, 2.1).into();
-    let sound = milled(ball, &moves).left_at(place, up).unwrap();
+    let sound = milled(&ball, &moves).left_at(place, up).unwrap();
     // One pass 0.03 mm too low: a gouge of that depth under it.
     let lowered = sound.by as usize;
     moves[lowered].from[2] -= 0.03;
     moves[lowered].to[2] -= 0.03;
     let under = plane.at(1.0, moves[lowered].from[1]).into();
-    let gouge = milled(ball, &moves).left_at(under, up).unwrap();
+    let gouge = milled(&ball, &moves).left_at(under, up).unwrap();
     assert_relative_eq!(gouge.height, -0.03, epsilon = 1e-9);
     assert_eq!(gouge.by as usize, lowered);
     // Left out: the ridge between passes that are twice as far apart.
     let missing = moves.remove(lowered);
     let middle = [1.0, missing.from[1], 0.0];
-    assert_relative_eq!(milled(ball, &moves).left_at(middle, up).unwrap().height, 3.0 - (9.0_f64 - 0.25).sqrt(), epsilon = 1e-9);
+    assert_relative_eq!(milled(&ball, &moves).left_at(middle, up).unwrap().height, 3.0 - (9.0_f64 - 0.25).sqrt(), epsilon = 1e-9);
     // A rapid clears nothing and collides.
     let rapid = Move { from: [-50.0, 0.0, -0.2], to: [50.0, 0.0, -0.2], kind: MoveKind::Rapid };
     moves.push(rapid);
-    let with_rapid = milled(ball, &moves);
+    let with_rapid = milled(&ball, &moves);
     assert!(with_rapid.left_at([1.0, 0.0, 0.0], up).unwrap().height >= -1e-9);
     let hit = with_rapid.collision_at([1.0, 0.0, 0.0], up).unwrap();
     assert_relative_eq!(hit.height, -0.2, epsilon = 1e-9);
@@ -252,7 +254,7 @@ fn faults_of_a_path_are_found_with_their_moves() {
 #[test]
 fn a_flat_end_beside_a_wall_touches_it_with_its_side() {
     let pass = [cut(Vector3::new(-10.0, 3.0, 0.0), Vector3::new(10.0, 3.0, 0.0))];
-    let milled = milled(Profile::torus(2.5, 0.0), &pass);
+    let milled = milled(&Profile::torus(2.5, 0.0), &pass);
     // The wall y = 0.4 faces the cutter's side at y = 0.5. The side leans by 1e-6 of its height.
     let left = milled.left_at([0.0, 0.4, 3.0], [0.0, 1.0, 0.0]).unwrap();
     assert_relative_eq!(left.height, 0.1, epsilon = 4e-6);
@@ -260,7 +262,7 @@ fn a_flat_end_beside_a_wall_touches_it_with_its_side() {
     assert_eq!(milled.left_at([0.0, 8.0, 3.0], [0.0, 1.0, 0.0]), None);
     // A plunge clears what its lower end holds.
     let plunge = [cut(Vector3::new(0.0, 0.0, 5.0), Vector3::new(0.0, 0.0, 1.0))];
-    let plunged = super::tests::milled(Profile::torus(2.5, 0.5), &plunge);
+    let plunged = super::tests::milled(&Profile::torus(2.5, 0.5), &plunge);
     assert_relative_eq!(plunged.left_at([1.0, 1.0, 0.0], [0.0, 0.0, 1.0]).unwrap().height, 1.0, epsilon = 1e-9);
 }
 
@@ -291,12 +293,12 @@ fn the_finish_of_a_stepped_plate_is_that_of_its_geometry() {
             moves.push(cut(Vector3::new(from, y, z), Vector3::new(to, y, z)));
         }
     }
-    let milled = milled(Profile::torus(radius, radius), &moves);
+    let milled = milled(&Profile::torus(radius, radius), &moves);
     let places = Places::draw(&mesh, &level_facets(&mesh), 40_000, 1);
     assert_relative_eq!(places.area(), 900.0, epsilon = 1e-9);
     let obstacles = Obstacles::new(&mesh);
     let tolerance = 0.011;
-    let reach = Reach::new(Profile::torus(radius, radius), &obstacles, &places, tolerance);
+    let reach = Reach::new(&Profile::torus(radius, radius), &obstacles, &places, tolerance);
     let finish = Finish::new(&milled, &mesh, &places, &reach, tolerance, &|| false).unwrap();
     let ridge = radius - (radius * radius - step_over * step_over / 4.0).sqrt();
     // Up to the ball's centre at 2 mm from the wall all can be reached; nearer, the ball touches the wall first. A strip of
@@ -308,7 +310,7 @@ fn the_finish_of_a_stepped_plate_is_that_of_its_geometry() {
     assert_relative_eq!(residual.p50, ridge / 4.0, max_relative = 0.03);
     assert!(residual.max <= OVER * tolerance && residual.max >= ridge - 1e-6, "{residual:?}");
     assert!(finish.unreachable_height > 1.5, "{}", finish.unreachable_height);
-    assert_eq!(finish.gouge_share.value, 0.0);
+    assert!(finish.gouge_share.value <= 0.0);
     assert!(finish.gouge.is_none_or(|gouge| gouge.left.height > -1e-6), "{:?}", finish.gouge);
     // Between the ends of two passes a corner of 0.2 by 0.01 mm is not under the ball.
     assert!(finish.uncut_share.value < 1e-3, "{:?}", finish.uncut_share);
@@ -322,10 +324,10 @@ fn the_deepest_gouge_is_at_the_edge_that_a_chord_cuts_off() {
     let mut moves = vec![cut(Vector3::new(20.0, 10.3, 4.0), Vector3::new(15.0 + 1.0, 10.3, 4.0 - 0.05))];
     moves.push(cut(Vector3::new(16.0, 10.3, 3.95), Vector3::new(9.0, 10.3, 3.6)));
     let profile = Profile::torus(3.0, 3.0);
-    let milled = milled(profile, &moves);
+    let milled = milled(&profile, &moves);
     let places = Places::draw(&mesh, &level_facets(&mesh), 2000, 3);
     let obstacles = Obstacles::new(&mesh);
-    let reach = Reach::new(profile, &obstacles, &places, 0.01);
+    let reach = Reach::new(&profile, &obstacles, &places, 0.01);
     let finish = Finish::new(&milled, &mesh, &places, &reach, 0.01, &|| false).unwrap();
     let gouge = finish.gouge.unwrap();
     // The ball's centre passes on a line that falls by 0.05 per mm, 2.9 mm over the edge at x = 15.
@@ -340,10 +342,10 @@ fn a_stopped_computation_has_no_result() {
     let places = Places::draw(&mesh, &level_facets(&mesh), 1000, 3);
     let obstacles = Obstacles::new(&mesh);
     let profile = Profile::torus(3.0, 3.0);
-    let reach = Reach::new(profile, &obstacles, &places, 0.01);
-    assert!(Milled::new(profile, &[], &|| true).is_none());
-    assert!(Finish::new(&milled(profile, &[]), &mesh, &places, &reach, 0.01, &|| true).is_none());
-    let nothing = Finish::new(&milled(profile, &[]), &mesh, &places, &reach, 0.01, &|| false).unwrap();
-    assert_eq!(nothing.uncut_share.value, 1.0);
+    let reach = Reach::new(&profile, &obstacles, &places, 0.01);
+    assert!(Milled::new(&profile, &[], &|| true).is_none());
+    assert!(Finish::new(&milled(&profile, &[]), &mesh, &places, &reach, 0.01, &|| true).is_none());
+    let nothing = Finish::new(&milled(&profile, &[]), &mesh, &places, &reach, 0.01, &|| false).unwrap();
+    assert!(nothing.uncut_share.value >= 1.0);
     assert_eq!(nothing.residual, None);
 }

@@ -2,9 +2,7 @@
 
 mod bezier;
 mod bounds;
-mod facets;
 mod grid;
-mod lanes;
 pub mod mesh;
 mod moments;
 mod piece;
@@ -13,7 +11,6 @@ pub mod read;
 mod received;
 mod sampled;
 mod shape;
-mod slope;
 mod triangulation;
 mod unit;
 

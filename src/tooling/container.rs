@@ -104,12 +104,14 @@ struct ListedFile {
 impl Listed {
     /// Reads all lists of an archive. The inner `None` means that the archive has no lists, so that all its tools are
     /// read.
-    fn read(archive: &Archive, path: impl Fn(&str) -> String) -> Result<Option<Self>, LibraryFaults> {
+    fn read(archive: &mut Archive, path: impl Fn(&str) -> String) -> Result<Option<Self>, LibraryFaults> {
         let (mut listed, mut faults, mut has_lists) = (Self::default(), Vec::new(), false);
-        for entry in archive.files().filter(|entry| extension(entry.name()) == "fctl" && !is_companion(entry.name())) {
+        let lists: Vec<String> =
+            archive.files().filter(|name| extension(name) == "fctl" && !is_companion(name)).map(str::to_owned).collect();
+        for name in lists {
             has_lists = true;
-            let list = path(entry.name());
-            let content = archive.content(entry).map_err(|fault| flaw(&fault).in_file(&list));
+            let list = path(&name);
+            let content = archive.content(&name).map_err(|fault| flaw(&fault).in_file(&list));
             match content.and_then(|content| freecad::read_list(&content, &list)) {
                 Ok(tools) => listed.add(tools, &list)?,
                 Err(fault) => faults.push(fault),
@@ -145,12 +147,13 @@ impl Listed {
 /// Reads all libraries and tools of a zip, in the order of its directory. If it has lists of FreeCAD, tool files that
 /// none of them names are counted, not read.
 fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
-    let archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?.until(cancel);
+    let mut archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?;
     let path = |name: &str| format!("{file}/{name}");
-    let mut listed = Listed::read(&archive, path)?;
+    let mut listed = Listed::read(&mut archive, path)?;
     let mut faults = Vec::new();
-    for entry in archive.files().take_while(|_| !cancel.is_cancelled()) {
-        let (name, path) = (entry.name(), path(entry.name()));
+    let names: Vec<String> = archive.files().map(str::to_owned).collect();
+    for name in names.iter().take_while(|_| !cancel.is_cancelled()) {
+        let path = path(name);
         let extension = extension(name);
         match extension.as_str() {
             _ if is_companion(name) => library.skipped_files += 1,
@@ -167,7 +170,7 @@ fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &Ca
                 if let Some(file) = listed {
                     file.is_found = true;
                 }
-                let read = match archive.content(entry).map_err(|fault| flaw(&fault).in_file(&path)) {
+                let read = match archive.content(name).map_err(|fault| flaw(&fault).in_file(&path)) {
                     Ok(bytes) if Archive::is_archive(&bytes) => Err(nested(&path).into()),
                     Ok(bytes) if extension == "fctb" => read_tool_file(&bytes, &path, number, library, cancel),
                     Ok(bytes) => read_plain(&bytes, &path, number, library, cancel),

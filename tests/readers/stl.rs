@@ -52,7 +52,7 @@ fn text_other_than_stl_is_refused_with_its_line() {
         ("0 0.5", "0", "line 6: expected a number, three for each vertex, found \"vertex\""),
         ("0 0.5", "0 0.5 7", "line 5: expected \"vertex\", three for each facet, found \"7\""),
         ("0 0.5", "0 nan", "line 5: expected a finite coordinate of at most 1e12 in magnitude, found \"nan\""),
-        ("0 0.5", "0 0,5", "line 5: expected a number, three for each vertex, found \"0,5\""),
+        ("0 0.5", "0 0,5", "line 6: expected a number with a decimal comma, as before, found \"0.25\""),
         ("0 0.5", "0 1e13", "line 5: expected a finite coordinate of at most 1e12 in magnitude, found \"1e13\""),
         ("  endloop", "vertex 1 1 1\nendloop", "line 7: expected \"endloop\" after three vertices, found \"vertex\""),
         ("   vertex 0 1 0.25\n", "", "line 6: expected \"vertex\", three for each facet, found \"endloop\""),
@@ -63,7 +63,7 @@ fn text_other_than_stl_is_refused_with_its_line() {
     ] {
         assert!(ASCII.contains(wrong));
         let file = ASCII.replacen(wrong, right, 1);
-        assert_eq!(read_in_chunks(&[file.as_bytes()], FormatHint::default()).1.unwrap_err().to_string(), sentence, "{file}");
+        assert_eq!(refusal(&file), sentence, "{file}");
     }
     assert_eq!(refusal("solid part\nendsolid part\n"), "line 3: expected \"facet\", found the end of the file");
 }

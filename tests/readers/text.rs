@@ -165,8 +165,7 @@ fn text_in_utf_16_is_read() {
     for unit in [u16::to_le_bytes, u16::to_be_bytes] {
         let file: Vec<u8> = text.encode_utf16().flat_map(unit).collect();
         assert_eq!(points(&file), TWO);
-        let bytes: Vec<&[u8]> = file.chunks(1).collect();
-        assert_eq!(read_in_chunks(&bytes, FormatHint::default()).1.unwrap().0.points, TWO);
+        assert_eq!(read_in_pieces(&file, 1, FormatHint::default()).0.points, TWO);
     }
     let stl: Vec<u8> = "\u{feff}solid a\n".encode_utf16().chain(std::iter::repeat_n(0x20, 1 << 17)).flat_map(u16::to_le_bytes).collect();
     assert_eq!(read(stl).unwrap_err().kind(), FaultKind::TooLarge);

@@ -194,9 +194,8 @@ fn a_cycle_through_other_model_files_is_found() {
 #[test]
 fn hostile_packages_are_refused_within_their_limits() {
     let limited = |file: &[u8]| {
-        let mut reader = Reader::new(FormatHint::default()).with_vertex_limit(1000).with_archive_limit(1 << 20);
-        reader.push(file, &mut Recorder::default())?;
-        reader.finish(&mut Recorder::default())
+        let reader = Reader::new(FormatHint::default()).with_vertex_limit(1000).with_archive_limit(1 << 20);
+        reader.read(file, &mut Recorder::default()).map_err(fault)
     };
     let refused = |file: &[u8]| {
         let fault = limited(file).unwrap_err();
@@ -218,7 +217,5 @@ fn hostile_packages_are_refused_within_their_limits() {
     assert_eq!(refused(&package(&many)), "at most 100000 objects, components and build items");
     assert_eq!(refused(&directory_alone(20_000)), "a 3MF package within its limits");
     assert_eq!(refused(&directory_alone(600_000)), "a 3MF file of at most 1048576 bytes");
-    let mut reader = Reader::new(FormatHint::default());
-    reader.push(&directory_alone(4_000_000), &mut Recorder::default()).unwrap();
-    assert_eq!(reader.finish(&mut Recorder::default()).unwrap_err().kind(), FaultKind::TooLarge);
+    assert_eq!(read(directory_alone(4_000_000)).unwrap_err().kind(), FaultKind::TooLarge);
 }

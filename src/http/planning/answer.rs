@@ -175,6 +175,11 @@ enum CutterKindName {
     Toroidal,
     BallEnd,
     FlatEnd,
+    TaperedBall,
+    Lens,
+    Oval,
+    ConicalBarrel,
+    Profile,
 }
 
 answer! {
@@ -237,7 +242,7 @@ answer! {
     }
 }
 
-same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd);
+same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd, TaperedBall, Lens, Oval, ConicalBarrel, Profile);
 
 impl RankedCandidate {
     /// A plan on the surface.

@@ -1,11 +1,10 @@
 //! The memory of a recommendation, which is reserved in the budget before the calculation.
 
-use crate::cancellation::CancelFlag;
 use crate::http::worker_pool::Work;
 use crate::memory_budget::{BudgetExceeded, Reservation};
 use crate::planning::memory::{MAP_SIDE, Parallelism, RankingSize, bytes_of_mesh, bytes_to_prepare, bytes_to_rank};
+use crate::surface::MeshBuilder;
 use crate::surface::mesh::MeshSize;
-use crate::surface::{MeshBuilder, ReceivedSurface};
 use std::time::Duration;
 
 /// The resources of a recommendation: its memory, and what it may use of threads.
@@ -62,8 +61,14 @@ impl Resources {
 /// The memory in bytes to prepare the facets of the plan, in addition to the memory of the surface itself.
 pub(super) fn bytes_of_machined_surface(mesh: &MeshBuilder) -> u64 {
     let size = mesh.size();
-    (bytes_of_mesh(size) + mesh.bytes_to_finish().max(bytes_to_prepare(size))) as u64
+    // Vectors of points and triangles that double in size.
+    let copied = 2 * (24 * size.points + 12 * size.facets);
+    let finished = if mesh.has_facets() { copied } else { BYTES_TO_TRIANGULATE * size.points };
+    (bytes_of_mesh(size) + finished.max(bytes_to_prepare(size))) as u64
 }
+
+/// The memory that the triangulation of a point takes while it runs.
+const BYTES_TO_TRIANGULATE: usize = 400;
 
 /// The memory of a map: the figures of each cell and their text, in a vector that doubles when it grows.
 pub(super) const BYTES_OF_A_MAP: u64 = 256 * (MAP_SIDE * MAP_SIDE) as u64;
@@ -93,7 +98,7 @@ const MOST_SAMPLES: usize = 1000;
 
 /// The memory in bytes to read the surface of a JSON body, in addition to the body itself.
 pub(super) fn bytes_to_read(json: &[u8]) -> u64 {
-    let facets = (BYTES_OF_A_BYTE * json.len()).min(bytes_of_most_facets()).max(bytes_of_patch(json));
+    let facets = (BYTES_OF_A_BYTE * json.len()).min(BYTES_OF_MOST_FACETS).max(bytes_of_patch(json));
     let blocks = BYTES_OF_A_BYTE_OF_BLOCKS * json.len().min(MOST_BYTES_OF_BLOCKS);
     (BYTES_OF_A_BYTE_OF_A_MESH * json.len() + facets + blocks) as u64
 }
@@ -119,10 +124,9 @@ fn bytes_of_patch(json: &[u8]) -> usize {
     samples.map_or(0, |samples| (2 * samples * samples * BYTES_OF_A_SAMPLED_FACET).min(BYTES_OF_A_PATCH))
 }
 
-/// The most memory in bytes of a surface's facets while they are read.
-fn bytes_of_most_facets() -> usize {
-    usize::try_from(ReceivedSurface::until(&CancelFlag::default()).bytes_to_take_package()).unwrap_or(usize::MAX)
-}
+/// The most memory in bytes of a surface's facets while they are read: half a million of them, no two of which share a
+/// corner, in vectors that double in size.
+const BYTES_OF_MOST_FACETS: usize = 115 << 20;
 
 #[cfg(test)]
 mod tests {

@@ -33,7 +33,7 @@ pub fn left_at(
     let height = settings.scallop_height.mm();
     let places: Vec<Place> = points.iter().map(|&(target, point)| Place { target, point, area: 1.0 }).collect();
     let stations = stations(workpiece, &prepared.profile, &places, height, stop);
-    let milled = Milled::new(prepared.profile, &milled_plan.tour.moves(), stop)?;
+    let milled = Milled::new(&prepared.profile, &milled_plan.tour.moves(), stop)?;
     let along = Heading::of(plan.direction.radians()).along;
     let judged = judged(workpiece, &stations, prepared, along, &milled, height, stop)?;
     let left = stations.iter().zip(&judged).map(|(station, judged)| LeftAt {

@@ -111,7 +111,7 @@ impl Planner<'_> {
         let Self { workpiece, prepared, settings, stations, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let tour = Tour::of(workpiece, prepared, settings, runs, maker.chord_tolerance);
-        let milled = Milled::new(prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
+        let milled = Milled::new(&prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
         let judged = judged(workpiece, stations, prepared, maker.heading.along, &milled, height, stop).ok_or(NoPlan::Stopped)?;
         let gouge = judged.par_iter().filter_map(|judged| judged.left).map(|left| (-left).max(0.0)).reduce(|| 0.0, f64::max);
         let finish = FinishFigures::of(stations, &judged, height, height, gouge);

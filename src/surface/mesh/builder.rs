@@ -48,9 +48,6 @@ pub struct MeshSize {
     pub points: usize,
 }
 
-/// The memory that the triangulation of a point takes while it runs, measured by `benches/memory.rs`.
-const BYTES_TO_TRIANGULATE: usize = 400;
-
 impl Default for MeshBuilder {
     fn default() -> Self {
         Self::with_facet_limit(Self::DEFAULT_FACET_LIMIT)
@@ -95,28 +92,10 @@ impl MeshBuilder {
         Self { cancel: cancel.clone(), cloud: self.cloud.with_cancel_flag(cancel), ..self }
     }
 
-    /// The memory that the facets or points hold now, in bytes.
+    /// Whether a facet with an area was added.
     #[must_use]
-    pub fn held_bytes(&self) -> usize {
-        let lattice = self.lattice.as_ref().map_or(0, HeightLattice::held_bytes);
-        self.welder.held_bytes() + self.triangles.capacity() * size_of::<[u32; 3]>() + lattice + self.cloud.held_bytes()
-    }
-
-    /// The additional memory in bytes to add `facets` facets or points with `corners` new corners. Vectors double in
-    /// size, and facets beyond the limit are merged on a lattice, which is rebuilt when its spacing doubles.
-    #[must_use]
-    pub fn bytes_to_take(&self, facets: usize, corners: usize) -> usize {
-        let lattice = self.limit / 2 * size_of::<f64>();
-        if self.lattice.is_some() {
-            return lattice;
-        }
-        let count = self.triangles.len() + facets;
-        let (facets, merged) = if count > self.limit { (self.limit - self.triangles.len(), 2 * lattice) } else { (facets, 0) };
-        // While it doubles for the last time, the old and the new vector take less than three times the facets; what the
-        // vector has now is held already.
-        let capacity = self.triangles.capacity();
-        let triangles = if count > capacity { (3 * count.min(self.limit) - capacity) * size_of::<[u32; 3]>() } else { 0 };
-        triangles + merged + self.welder.bytes_to_take(corners.min(3 * facets)) + self.cloud.bytes_to_take(facets)
+    pub fn has_facets(&self) -> bool {
+        self.facets > 0
     }
 
     /// The largest size that the mesh of all received facets can have.
@@ -130,20 +109,6 @@ impl MeshBuilder {
             return MeshSize { facets: 2 * self.cloud.len(), points: self.cloud.len() };
         }
         MeshSize { facets: self.triangles.len(), points: self.welder.len() }
-    }
-
-    /// The additional memory in bytes that [`MeshBuilder::finish`] takes, without the stored data and the mesh itself.
-    #[must_use]
-    pub fn bytes_to_finish(&self) -> usize {
-        let MeshSize { facets, points } = self.size();
-        if self.lattice.is_some() {
-            // The vectors of points and triangles double in size.
-            2 * (points * size_of::<[f64; 3]>() + facets * size_of::<[u32; 3]>())
-        } else if self.triangles.is_empty() {
-            points * BYTES_TO_TRIANGULATE
-        } else {
-            0
-        }
     }
 
     /// The mesh, in mm, of all facets or points that were added with coordinates in `unit`.

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, FaultKind, Flaw};
 use super::known::{KNOWN_AT_START, by_statement};
-use super::lines::{Words, is_word, line_end, starts_number, statements};
+use super::words::{Words, is_word, line_end, starts_number, statements};
 use std::fmt;
 
 /// The largest number of bytes examined, more than a licence text in comments at the start of a file has.

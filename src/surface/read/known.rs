@@ -1,6 +1,6 @@
 //! Formats that are not read, and are detected only to name them in the fault.
 
-use super::lines::{Words, is_word, line_end, starts_number, statements};
+use super::words::{Words, is_word, line_end, starts_number, statements};
 
 /// Formats by their first bytes.
 pub(super) const KNOWN_AT_START: [(&[u8], &str); 31] = [

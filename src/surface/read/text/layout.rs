@@ -2,7 +2,7 @@
 
 use super::super::decimal::{bounded, names_no_finite_number, number, unbounded};
 use super::super::fault::{FaultKind, Flaw, quoted};
-use super::super::lines::{trimmed, trimmed_start};
+use super::super::words::{trimmed, trimmed_start};
 
 /// The separators of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,7 +79,7 @@ fn quotation_end(text: &[u8]) -> usize {
 
 /// The layout of the lines of a file.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Layout {
+pub(super) struct Layout {
     pub(super) separator: Separator,
     /// The decimal mark, once a coordinate with one has been read.
     pub(super) mark: Option<u8>,

@@ -13,28 +13,36 @@
 
 mod ambiguity;
 mod evidence;
-mod header;
 mod layout;
+mod table_header;
 
-pub(super) use layout::Layout;
-
-use super::blocks::{Block, BlockReader, Emitted, Unit};
-use super::fault::{Fault, FaultKind, Flaw};
-use super::lines::{Lines, trimmed, trimmed_start};
-use super::splitter::{BlockSplitter, any_line};
+use super::fault::{FaultKind, Flaw, ReadError};
+use super::input::Input;
+use super::words::{trimmed, trimmed_start};
 use super::{Format, Notes, Sink, Summary};
 use crate::surface;
 use ambiguity::Ambiguity;
-use header::Header;
-use layout::Separator;
+use layout::{Layout, Separator};
 use std::borrow::Cow;
+use table_header::Header;
 
-/// The reader of points in text.
-#[derive(Debug)]
-pub(super) struct Reader {
-    lines: Lines,
-    table: Table,
-    splitter: BlockSplitter,
+/// Reads points in text.
+pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+    let mut table = Table::default();
+    input.each_line(|line, number| table.line(line, number, sink))?;
+    if table.points == 0 {
+        return Err(Flaw::new(FaultKind::Empty, "three numbers", "the end of the file").at_line(input.number_at_end()).into());
+    }
+    if let Some((count, line)) = table.count.filter(|(count, _)| *count != table.points) {
+        let found = format!("{} lines of data; either points are missing or too many, or the line is no count", table.points);
+        return Err(Flaw::new(FaultKind::Ambiguous, format!("{count} points, as this line counts them"), found).at_line(line).into());
+    }
+    let has_mark = table.layout.is_some_and(|layout| layout.mark.is_some());
+    if let Some((flaw, line)) = table.ambiguity.as_ref().and_then(|ambiguity| ambiguity.flaw(table.points, has_mark)) {
+        return Err(flaw.at_line(line).into());
+    }
+    let notes = Notes { further_columns: table.further_columns, ..Notes::default() };
+    Ok(Summary { format: Format::Text, points: table.points, facets: 0, unit: table.unit, notes })
 }
 
 #[derive(Debug, Default)]
@@ -53,120 +61,8 @@ struct Table {
     further_columns: u64,
 }
 
-impl Reader {
-    pub(super) fn new(block: usize) -> Self {
-        Self { lines: Lines::after(0), table: Table::default(), splitter: BlockSplitter::new(block, any_line) }
-    }
-
-    pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
-        self.lines.finish(|line, number| self.table.line(line, number, sink))?;
-        let table = self.table;
-        if table.points == 0 {
-            return Err(Flaw::new(FaultKind::Empty, "three numbers", "the end of the file").at_line(self.lines.number()));
-        }
-        if let Some((count, line)) = table.count.filter(|(count, _)| *count != table.points) {
-            let found = format!("{} lines of data; either points are missing or too many, or the line is no count", table.points);
-            return Err(Flaw::new(FaultKind::Ambiguous, format!("{count} points, as this line counts them"), found).at_line(line));
-        }
-        let has_mark = table.layout.is_some_and(|layout| layout.mark.is_some());
-        if let Some((flaw, line)) = table.ambiguity.as_ref().and_then(|ambiguity| ambiguity.flaw(table.points, has_mark)) {
-            return Err(flaw.at_line(line));
-        }
-        let notes = Notes { further_columns: table.further_columns, ..Notes::default() };
-        Ok(Summary { format: Format::Text, points: table.points, facets: 0, unit: table.unit, notes })
-    }
-}
-
-impl BlockReader for Reader {
-    type Job = Job;
-    type Run = Run;
-
-    /// A block, once the lines before it have determined the layout. The whole text must be read this way.
-    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Result<Option<Unit<'a, Job>>, Fault> {
-        let Some(bytes) = self.splitter.next(chunk) else { return Ok(None) };
-        Ok(Some(match self.table.job() {
-            Some(job) => Unit::Block(Block { bytes, job }),
-            None => Unit::Serial(bytes.into()),
-        }))
-    }
-
-    fn rest(&mut self) -> Vec<u8> {
-        self.splitter.rest()
-    }
-
-    /// Adds the points of a block, unless its decimal mark differs from the file's.
-    fn link(&mut self, run: &mut Run, _: &[u8]) -> bool {
-        let table = &mut self.table;
-        let Some(layout) = &mut table.layout else { return false };
-        // Whole numbers are the same with either mark.
-        if layout.mark.is_some() && run.mark.is_some() && layout.mark != run.mark {
-            return false;
-        }
-        layout.mark = layout.mark.or(run.mark);
-        table.points += run.points.len() as u64;
-        if let (Some(ambiguity), Some(more)) = (&mut table.ambiguity, &run.ambiguity) {
-            ambiguity.add(more);
-        }
-        self.lines.skip(run.lines);
-        true
-    }
-
-    fn parse(bytes: &[u8], job: Job) -> Option<Run> {
-        struct Points(Vec<[f64; 3]>);
-        impl Sink for Points {
-            fn point(&mut self, point: [f64; 3]) {
-                self.0.push(point);
-            }
-            fn facet(&mut self, _: [[f64; 3]; 3]) {}
-        }
-        let mut lines = Lines::after(0);
-        let mut table = Table { layout: Some(job.layout), ambiguity: job.ambiguity, ..Table::default() };
-        let mut points = Points(Vec::with_capacity(bytes.len() / 16));
-        lines.push(bytes, |line, number| table.line(line, number, &mut points)).ok()?;
-        let mark = table.layout.and_then(|layout| layout.mark);
-        Some(Run { lines: lines.ended(), points: points.0, mark, ambiguity: table.ambiguity })
-    }
-
-    fn emit<S: Sink>(&self, run: &Run, _: &[u8], sink: &mut S) -> Emitted {
-        for point in &run.points {
-            sink.point(*point);
-        }
-        Emitted::default()
-    }
-
-    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
-    }
-}
-
-/// The assumptions with which a block of lines is parsed.
-#[derive(Debug)]
-pub(super) struct Job {
-    /// The layout so far; without a decimal mark if the lines before have only whole numbers.
-    layout: Layout,
-    /// The interpretations that the block may rule out.
-    ambiguity: Option<Ambiguity>,
-}
-
-/// The points of a block.
-#[derive(Debug)]
-pub(super) struct Run {
-    lines: u64,
-    points: Vec<[f64; 3]>,
-    /// The decimal mark, if one is known at the end of the block.
-    mark: Option<u8>,
-    ambiguity: Option<Ambiguity>,
-}
-
 impl Table {
-    /// The assumptions for the following lines, once the layout is known and enough lines of a table without a header
-    /// have been examined.
-    fn job(&self) -> Option<Job> {
-        let layout = self.layout.filter(|_| !self.ambiguity.as_ref().is_some_and(Ambiguity::needs_lines))?;
-        Some(Job { layout, ambiguity: self.ambiguity.as_ref().filter(|_| layout.mark.is_none()).map(Ambiguity::of_more_lines) })
-    }
-
-    fn line<S: Sink>(&mut self, line: &[u8], number: u64, sink: &mut S) -> Result<(), Flaw> {
+    fn line(&mut self, line: &[u8], number: u64, sink: &mut dyn Sink) -> Result<(), Flaw> {
         let content = trimmed_start(line);
         if content.is_empty() {
             return Ok(());

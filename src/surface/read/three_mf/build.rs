@@ -3,7 +3,6 @@
 use super::super::decimal::unbounded;
 use super::super::fault::{Fault, FaultKind, Flaw};
 use super::model::{Model, Object, Reference, Transform, is_bounded};
-use crate::cancellation::CancelFlag;
 use crate::surface::Sink;
 use std::collections::HashMap;
 
@@ -21,14 +20,13 @@ pub(super) struct Build<'a> {
     facets: u64,
     placed: u64,
     left_out: u64,
-    cancel: &'a CancelFlag,
 }
 
 impl<'a> Build<'a> {
     /// The build of `models`, by their paths in lower case, with at most four facets for each vertex that a package
     /// may have.
-    pub(super) fn new(models: &'a HashMap<String, Model>, vertex_limit: usize, cancel: &'a CancelFlag) -> Self {
-        Self { models, most_facets: (vertex_limit as u64).saturating_mul(4), facets: 0, placed: 0, left_out: 0, cancel }
+    pub(super) fn new(models: &'a HashMap<String, Model>, vertex_limit: usize) -> Self {
+        Self { models, most_facets: (vertex_limit as u64).saturating_mul(4), facets: 0, placed: 0, left_out: 0 }
     }
 
     /// Facets passed to the sink.
@@ -42,11 +40,11 @@ impl<'a> Build<'a> {
     }
 
     /// Places the build items of the model of this path.
-    pub(super) fn place_all<S: Sink>(&mut self, path: &str, items: &[Reference], sink: &mut S) -> Result<(), Fault> {
+    pub(super) fn place_all(&mut self, path: &str, items: &[Reference], sink: &mut dyn Sink) -> Result<(), Fault> {
         items.iter().try_for_each(|item| self.place(path, item, &Transform::IDENTITY, 0, sink))
     }
 
-    fn place<S: Sink>(&mut self, path: &str, reference: &Reference, outer: &Transform, depth: usize, sink: &mut S) -> Result<(), Fault> {
+    fn place(&mut self, path: &str, reference: &Reference, outer: &Transform, depth: usize, sink: &mut dyn Sink) -> Result<(), Fault> {
         let at = |flaw: Flaw| flaw.in_entry(path, 0);
         self.placed += 1;
         if depth > DEEPEST || self.placed > MOST_PLACED {
@@ -66,7 +64,7 @@ impl<'a> Build<'a> {
         object.components.iter().try_for_each(|component| self.place(path, component, &transform, depth + 1, sink))
     }
 
-    fn place_mesh<S: Sink>(&mut self, object: &Object, transform: &Transform, sink: &mut S) -> Result<(), Flaw> {
+    fn place_mesh(&mut self, object: &Object, transform: &Transform, sink: &mut dyn Sink) -> Result<(), Flaw> {
         self.facets += object.triangles.len() as u64;
         if self.facets > self.most_facets {
             return Err(Flaw::new(
@@ -78,9 +76,6 @@ impl<'a> Build<'a> {
         // A reflection reverses the facets' orientation; the reverse order of their corners restores it.
         let is_reflection = transform.determinant() < 0.0;
         for triangle in &object.triangles {
-            if self.cancel.is_cancelled() {
-                return Ok(());
-            }
             let [a, b, c] = triangle.map(|vertex| transform.apply(object.vertices[vertex as usize]));
             if ![a, b, c].into_iter().all(is_bounded) {
                 return Err(unbounded("a vertex beyond it after placing its object"));

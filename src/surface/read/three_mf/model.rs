@@ -2,10 +2,10 @@
 
 use super::super::LARGEST_COORDINATE;
 use super::super::decimal::coordinate;
-use super::super::fault::{Fault, FaultKind, Flaw, quoted};
-use super::super::mesh::too_many_vertices;
+use super::super::faces::too_many_vertices;
+use super::super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::Package;
 use super::xml::{self, Element, Event};
-use crate::archive::Archive;
 use crate::surface::Unit;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -147,10 +147,10 @@ enum Context {
 
 impl Model {
     /// Reads the model file of this path.
-    pub(super) fn read(archive: &Archive, path: &str, room: &mut Room) -> Result<Self, Fault> {
+    pub(super) fn read(package: &mut Package, path: &str, room: &mut Room) -> Result<Self, ReadError> {
         let model = Self { unit: Unit::Millimetre, objects: HashMap::new(), items: Vec::new() };
         let mut parser = Parser { model, room, contexts: Vec::new(), object: None };
-        xml::read(archive, path, |event| match event {
+        xml::read(package, path, |event| match event {
             Event::Start(element) => parser.start(&element),
             Event::End => parser.end(),
         })?;

@@ -1,4 +1,4 @@
-//! The result does not depend on the chunks of the input, and no bytes make a reader panic.
+//! The result does not depend on the pieces in which a file arrives, and no bytes make a reader panic.
 
 use super::*;
 use crate::writers::three_mf;
@@ -28,16 +28,9 @@ fn files() -> Vec<Vec<u8>> {
     ]
 }
 
-fn pieces<'a>(file: &'a [u8], cuts: &[usize]) -> Vec<&'a [u8]> {
-    let mut cuts: Vec<usize> = cuts.iter().map(|cut| cut % (file.len() + 1)).collect();
-    cuts.sort_unstable();
-    let edges: Vec<usize> = std::iter::once(0).chain(cuts).chain([file.len()]).collect();
-    edges.windows(2).map(|pair| &file[pair[0]..pair[1]]).collect()
-}
-
 /// The outcome as text, because NaN in a sink does not equal itself.
-fn outcome(chunks: &[&[u8]]) -> String {
-    format!("{:?}", read_in_chunks(chunks, FormatHint::default()))
+fn outcome(file: &[u8], piece: usize) -> String {
+    format!("{:?}", read_in_pieces(file, piece, FormatHint::default()))
 }
 
 /// The file after a comment so long that the format is detected before the data begin.
@@ -48,8 +41,7 @@ fn after_the_head(file: &[u8]) -> Vec<u8> {
 #[test]
 fn files_are_read_from_single_bytes() {
     for file in files() {
-        let bytes: Vec<&[u8]> = file.chunks(1).collect();
-        assert_eq!(outcome(&bytes), outcome(&[&file]), "{}", String::from_utf8_lossy(&file));
+        assert_eq!(outcome(&file, 1), outcome(&file, usize::MAX), "{}", String::from_utf8_lossy(&file));
     }
 }
 
@@ -77,27 +69,27 @@ fn a_large_file_gives_the_same_result_byte_by_byte_and_whole() {
         assert!(file.len() > 1 << 16);
         let whole = read(file).unwrap();
         for size in [1, 7, 4096, (1 << 16) - 1, (1 << 16) + 1] {
-            let chunks: Vec<&[u8]> = file.chunks(size).collect();
-            assert_eq!(read_in_chunks(&chunks, FormatHint::default()).1.unwrap(), whole, "chunks of {size}");
+            let (recorder, summary) = read_in_pieces(file, size, FormatHint::default());
+            assert_eq!((recorder, summary.unwrap()), whole, "pieces of {size}");
         }
     }
 }
 
 proptest! {
     #[test]
-    fn the_result_does_not_depend_on_the_chunks(which in 0_usize..15, cuts in proptest::collection::vec(any::<usize>(), 0..5)) {
+    fn the_result_does_not_depend_on_the_pieces(which in 0_usize..15, piece in 1_usize..100) {
         let file = &files()[which];
-        prop_assert_eq!(outcome(&pieces(file, &cuts)), outcome(&[file]));
+        prop_assert_eq!(outcome(file, piece), outcome(file, usize::MAX));
     }
 
     #[test]
-    fn damaged_files_make_no_reader_panic(which in 0_usize..15, damage in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..4), cuts in proptest::collection::vec(any::<usize>(), 0..3)) {
+    fn damaged_files_make_no_reader_panic(which in 0_usize..15, damage in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..4), piece in 1_usize..100) {
         let mut file = files()[which].clone();
         for (at, byte) in damage {
             let at = at % file.len();
             file[at] = byte;
         }
-        prop_assert_eq!(outcome(&pieces(&file, &cuts)), outcome(&[&file]));
+        prop_assert_eq!(outcome(&file, piece), outcome(&file, usize::MAX));
         if let Ok((recorder, summary)) = read(&file) {
             prop_assert_eq!((recorder.points.len() as u64, recorder.facets.len() as u64), (summary.points, summary.facets));
             let numbers = recorder.points.iter().flatten().chain(recorder.facets.iter().flatten().flatten());
@@ -108,7 +100,6 @@ proptest! {
     #[test]
     fn any_bytes_are_read_or_refused(file in proptest::collection::vec(any::<u8>(), 0..300), name in "a\\.(csv|stl|obj|ply)") {
         let hint = FormatHint::new(None, Some(&name));
-        let bytes: Vec<&[u8]> = file.chunks(1).collect();
-        prop_assert_eq!(format!("{:?}", read_in_chunks(&bytes, hint)), format!("{:?}", read_in_chunks(&[&file], hint)));
+        prop_assert_eq!(format!("{:?}", read_in_pieces(&file, 1, hint)), format!("{:?}", read_in_pieces(&file, usize::MAX, hint)));
     }
 }

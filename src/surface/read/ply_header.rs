@@ -1,11 +1,12 @@
 //! The header of PLY: the lines from `ply` to `end_header`.
 
-use super::super::Format;
-use super::super::fault::{Fault, FaultKind, Flaw, quoted};
-use super::super::lines::Words;
+use super::Format;
+use super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::input::Input;
+use super::words::{Words, line_end};
 
 /// The longest header, in bytes; it also bounds the memory for elements and properties.
-const LONGEST_HEADER: u64 = 1 << 16;
+const LONGEST_HEADER: usize = 1 << 16;
 
 /// A complete header that describes a surface.
 #[derive(Debug)]
@@ -82,95 +83,47 @@ impl Type {
     }
 }
 
-/// Joins chunks into the lines of the header and reads them.
-#[derive(Debug)]
-pub(super) struct HeaderLines {
-    begun: Vec<u8>,
-    /// The line end of the first line, which applies to all. After `end_header` and a CR, a LF may be the first byte of
-    /// binary data: it belongs to the line end only if the first line ends with CR LF.
-    ending: Option<u8>,
-    /// Whether the first line ended with a CR, so that a LF may follow and belong to it.
-    after_cr: bool,
-    ended: u64,
-    skipped: u64,
-    bytes: u64,
+/// Reads the header from the start of a file, and leaves the input at the body.
+pub(super) fn read(input: &mut Input) -> Result<Header, ReadError> {
+    // The line end of the first line applies to all. After `end_header` and a CR, a LF may be the first byte of binary
+    // data: it belongs to the line end only if the first line ends with CR LF.
+    let start = input.peek(LONGEST_HEADER)?;
+    let first = line_end(start);
+    let is_cr_alone = first.is_some_and(|at| start[at] == b'\r' && start.get(at + 1) != Some(&b'\n'));
+    let begin = input.offset();
+    let mut lines = HeaderLines { number: 0, format: None, elements: Vec::new() };
+    loop {
+        let line = input.line_until(if is_cr_alone { b'\r' } else { b'\n' })?;
+        lines.number += 1;
+        let Some(line) = line else {
+            let flaw = Flaw::new(FaultKind::Truncated, "a header that ends with \"end_header\"", "the end of the file");
+            return Err(flaw.at_line(lines.number).into());
+        };
+        let line = if is_cr_alone { line } else { line.strip_suffix(b"\r").unwrap_or(line) };
+        let is_end = lines.statement(line).map_err(|flaw| flaw.at_line(lines.number))?;
+        if input.offset() - begin > LONGEST_HEADER as u64 {
+            let expected = format!("a header of at most {LONGEST_HEADER} bytes");
+            return Err(Flaw::new(FaultKind::TooLarge, expected, "a longer one").at_line(lines.number).into());
+        }
+        if is_end {
+            let number = lines.number;
+            return Ok(lines.header().map_err(|flaw| flaw.at_line(number))?);
+        }
+    }
+}
+
+/// The statements of a header so far.
+struct HeaderLines {
+    number: u64,
     format: Option<Format>,
     elements: Vec<Element>,
 }
 
 impl HeaderLines {
-    /// A reader of a header that begins after `skipped` bytes of the file.
-    pub(super) fn after(skipped: u64) -> Self {
-        Self { begun: Vec::new(), ending: None, after_cr: false, ended: 0, skipped, bytes: 0, format: None, elements: Vec::new() }
-    }
-
-    /// The number of complete lines of the header.
-    pub(super) fn ended(&self) -> u64 {
-        self.ended
-    }
-
-    /// The bytes of the file up to the end of the header.
-    pub(super) fn bytes(&self) -> u64 {
-        self.skipped + self.bytes
-    }
-
-    /// A fault of the last line that was read.
-    pub(super) fn fault(&self, flaw: Flaw) -> Fault {
-        flaw.at_line(self.ended)
-    }
-
-    /// The fault of a file that ends in its header.
-    pub(super) fn cut_off(&self) -> Fault {
-        Flaw::new(FaultKind::Truncated, "a header that ends with \"end_header\"", "the end of the file").at_line(self.ended + 1)
-    }
-
-    /// Reads the header's bytes from `chunk`, and returns the header when it is complete.
-    pub(super) fn push(&mut self, chunk: &mut &[u8]) -> Result<Option<Header>, Fault> {
-        while let Some((&byte, rest)) = chunk.split_first() {
-            if self.after_cr && byte != b'\n' {
-                // The line ended with CR alone, and this byte belongs to the next line.
-                self.after_cr = false;
-                self.ending = Some(b'\r');
-                self.line()?;
-            }
-            *chunk = rest;
-            self.bytes += 1;
-            if self.bytes > LONGEST_HEADER {
-                return Err(Flaw::new(FaultKind::TooLarge, format!("a header of at most {LONGEST_HEADER} bytes"), "a longer one")
-                    .at_line(self.ended + 1));
-            }
-            match self.ending {
-                None if byte == b'\r' => self.after_cr = true,
-                None if byte == b'\n' => {
-                    self.after_cr = false;
-                    self.ending = Some(b'\n');
-                    self.line()?;
-                }
-                Some(ending) if byte == ending => {
-                    if self.line()? {
-                        return self.header().map(Some).map_err(|flaw| self.fault(flaw));
-                    }
-                }
-                _ => self.begun.push(byte),
-            }
-        }
-        Ok(None)
-    }
-
-    /// Reads the complete line, and returns whether it ends the header.
-    fn line(&mut self) -> Result<bool, Fault> {
-        let mut line = std::mem::take(&mut self.begun);
-        if self.ending == Some(b'\n') && line.last() == Some(&b'\r') {
-            line.pop();
-        }
-        self.ended += 1;
-        self.statement(&line).map_err(|flaw| self.fault(flaw))
-    }
-
     fn statement(&mut self, line: &[u8]) -> Result<bool, Flaw> {
         let mut words = Words::of(line);
         let keyword = words.next().unwrap_or_default();
-        if self.ended == 1 {
+        if self.number == 1 {
             return if keyword == b"ply" { Ok(false) } else { Err(Flaw::malformed("\"ply\"", line)) };
         }
         match keyword {
@@ -251,7 +204,7 @@ impl HeaderLines {
     }
 
     /// The header that the lines describe, if it describes a surface.
-    fn header(&mut self) -> Result<Header, Flaw> {
+    fn header(self) -> Result<Header, Flaw> {
         let missing = |what: &'static str| Flaw::new(FaultKind::Malformed, what, "the end of the header without it");
         let format = self.format.ok_or_else(|| missing("a format"))?;
         let place = |kind| self.elements.iter().position(|element| element.kind == kind);
@@ -274,7 +227,7 @@ impl HeaderLines {
                 return Err(Flaw::new(FaultKind::Malformed, "vertices before faces", order));
             }
         }
-        Ok(Header { format, elements: std::mem::take(&mut self.elements) })
+        Ok(Header { format, elements: self.elements })
     }
 }
 
