@@ -34,7 +34,7 @@ const MOST_MILLED: usize = 3;
 const MILLED_WITHIN: f64 = 1.15;
 
 /// The smallest angle between milled directions in deg. Nearer ones have nearly the same lines.
-const MILLED_APART: f64 = 5.0;
+const MILLED_APART: f64 = 2.0;
 
 /// The plans of all candidates on a part.
 #[derive(Debug, Clone)]
