@@ -225,7 +225,12 @@ fn level_point_of_torus(tangent: f64, h: f64, r: f64, e: f64, from: f64, to: f64
         return None;
     }
     let (mut low, mut high) = (from, to);
-    let mut s = 0.5 * (from + to);
+    // Where the line passes the axis itself, w = r sin S: a first guess, too near to the axis for other lines.
+    let through_axis = e + r * tangent / (1.0 + tangent * tangent).sqrt();
+    let mut s = if through_axis > h { ((through_axis - h) * (through_axis + h)).sqrt() } else { from };
+    if !(s > from && s < to) {
+        s = 0.5 * (from + to);
+    }
     for step in 0..MOST_STEPS {
         let (f, derivative) = value(s);
         if f > 0.0 {
@@ -238,8 +243,8 @@ fn level_point_of_torus(tangent: f64, h: f64, r: f64, e: f64, from: f64, to: f64
         let next = if is_safe { newton } else { 0.5 * (low + high) };
         let moved = (next - s).abs();
         s = next;
-        // The value is level there: an error of 1e-11 changes it by 1e-22 times its curvature.
-        if moved <= 1e-11 * to {
+        // After a step of Newton's method of 1e-7, the next one would be of some 1e-14, and the value is level there.
+        if moved <= 1e-7 * to && is_safe {
             break;
         }
     }
