@@ -1,6 +1,7 @@
-//! Surfaces for the tests, as facets with the exact curvatures: Bezier patches, planes, quadrics.
+//! Surfaces for the tests: Bezier patches and height fields, as facets.
 
-use scallopd::surface::FinishFacet;
+/// The corners of a facet in mm, counter-clockwise seen from outside the part.
+pub(crate) type Facet = [[f64; 3]; 3];
 
 /// A surface over two parameters from 0 to 1 with its derivatives.
 pub(crate) trait Patch {
@@ -95,67 +96,24 @@ pub(crate) fn unit(a: [f64; 3]) -> [f64; 3] {
     a.map(|c| c / length)
 }
 
-/// The curvature tensor of a patch, positive where convex seen against the upward normal, as xx, xy, xz, yy, yz, zz.
-///
-/// With the dual vectors g^u, g^v of the tangents the tensor is -(L g^u g^u + M (g^u g^v + g^v g^u) + N g^v g^v), L = n
-/// r_uu and so on.
-pub(crate) fn curvature([_, ru, rv, ruu, ruv, rvv]: [[f64; 3]; 6]) -> [f64; 6] {
-    let up = |n: [f64; 3]| if n[2] < 0.0 { n.map(|c| -c) } else { n };
-    let n = up(unit(cross(ru, rv)));
-    let (e, f, g) = (dot(ru, ru), dot(ru, rv), dot(rv, rv));
-    let determinant = e * g - f * f;
-    let gu = [0, 1, 2].map(|axis| (g * ru[axis] - f * rv[axis]) / determinant);
-    let gv = [0, 1, 2].map(|axis| (e * rv[axis] - f * ru[axis]) / determinant);
-    let (l, m, k) = (dot(n, ruu), dot(n, ruv), dot(n, rvv));
-    let entry = |i: usize, j: usize| -(l * gu[i] * gu[j] + m * (gu[i] * gv[j] + gv[i] * gu[j]) + k * gv[i] * gv[j]);
-    [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)]
-}
-
-/// The patch as 2 n m triangles, each with its own normal and area and the patch's curvature in its middle.
-pub(crate) fn facets(patch: &impl Patch, n: usize, m: usize) -> Vec<FinishFacet> {
+/// The patch as 2 n m triangles.
+pub(crate) fn facets(patch: &impl Patch, n: usize, m: usize) -> Vec<Facet> {
     #[expect(clippy::cast_precision_loss, reason = "hundreds")]
-    let at = |i: f64, j: f64| patch.at(i / n as f64, j / m as f64);
-    let mut facets = Vec::with_capacity(2 * n * m);
-    for i in 0..n {
-        for j in 0..m {
-            #[expect(clippy::cast_precision_loss, reason = "hundreds")]
-            let (i, j) = (i as f64, j as f64);
-            let corners = [at(i, j)[0], at(i + 1.0, j)[0], at(i + 1.0, j + 1.0)[0], at(i, j + 1.0)[0]];
-            for (a, b, c, u, v) in [(0, 1, 2, 2.0 / 3.0, 1.0 / 3.0), (0, 2, 3, 1.0 / 3.0, 2.0 / 3.0)] {
-                facets.push(facet([corners[a], corners[b], corners[c]], curvature(at(i + u, j + v))));
-            }
-        }
-    }
-    facets
+    let at = |i: usize, j: usize| patch.at(i as f64 / n as f64, j as f64 / m as f64)[0];
+    let quad = |(i, j): (usize, usize)| quadrilateral([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+    (0..n).flat_map(|i| (0..m).map(move |j| (i, j))).flat_map(quad).collect()
 }
 
-/// A facet with its corners counter-clockwise seen from above.
-pub(crate) fn facet(corners: [[f64; 3]; 3], curvature: [f64; 6]) -> FinishFacet {
-    let normal = cross(minus(corners[1], corners[0]), minus(corners[2], corners[0]));
-    let corners = if normal[2] < 0.0 { [corners[0], corners[2], corners[1]] } else { corners };
-    let normal = if normal[2] < 0.0 { normal.map(|c| -c) } else { normal };
-    FinishFacet { corners, normal: unit(normal), area: dot(normal, normal).sqrt() / 2.0, curvature }
+/// Two facets of a quadrilateral.
+pub(crate) fn quadrilateral([a, b, c, d]: [[f64; 3]; 4]) -> [Facet; 2] {
+    [[a, b, c], [a, c, d]]
 }
 
 /// The facets turned about Z by an angle in degrees and moved.
-pub(crate) fn placed(facets: &[FinishFacet], degrees: f64, [x, y, z]: [f64; 3]) -> Vec<FinishFacet> {
+pub(crate) fn placed(facets: &[Facet], degrees: f64, [x, y, z]: [f64; 3]) -> Vec<Facet> {
     let (sin, cos) = degrees.to_radians().sin_cos();
-    let turn = |p: [f64; 3]| [cos * p[0] - sin * p[1], sin * p[0] + cos * p[1], p[2]];
-    let turned = |facet: &FinishFacet| {
-        let [xx, xy, xz, yy, yz, zz] = facet.curvature;
-        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(turn);
-        let columns = [0, 1, 2].map(|column| turn([rows[0][column], rows[1][column], rows[2][column]]));
-        FinishFacet {
-            corners: facet.corners.map(|corner| {
-                let p = turn(corner);
-                [p[0] + x, p[1] + y, p[2] + z]
-            }),
-            normal: turn(facet.normal),
-            area: facet.area,
-            curvature: [columns[0][0], columns[1][0], columns[2][0], columns[1][1], columns[2][1], columns[2][2]],
-        }
-    };
-    facets.iter().map(turned).collect()
+    let place = |p: [f64; 3]| [cos * p[0] - sin * p[1] + x, sin * p[0] + cos * p[1] + y, p[2] + z];
+    facets.iter().map(|facet| facet.map(place)).collect()
 }
 
 /// One of the two surfaces of Herraz et al. 2020, from `tests/data/herraz_2020.json`.
