@@ -29,7 +29,7 @@ fn within(length: usize, most: usize, what: &str) -> Result<(), Flaw> {
 /// The library is full. Faults of the file are recorded as faults of the tool.
 pub(super) fn read_tool(text: &str, file: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
     let read = within(text.len(), LONGEST_TOOL, "a tool")
-        .and_then(|()| serde_json::from_str::<Tool>(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &(&error).into())));
+        .and_then(|()| serde_json::from_str::<Tool>(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &error)));
     let read = read.map_err(Flaws::from);
     let name = read.as_ref().ok().and_then(Tool::name);
     let tool = read.and_then(|tool| tool.read(number));
@@ -49,7 +49,7 @@ pub(super) struct ListedTool {
 pub(super) fn read_list(text: &[u8], file: &str) -> Result<Vec<ListedTool>, LibraryFault> {
     within(text.len(), LONGEST_LIST, "a list").map_err(|flaw| flaw.in_file(file))?;
     let list: List =
-        serde_json::from_slice(text).map_err(|error| Flaw::json("a list of tools of FreeCAD in JSON", &(&error).into()).in_file(file))?;
+        serde_json::from_slice(text).map_err(|error| Flaw::json("a list of tools of FreeCAD in JSON", &error).in_file(file))?;
     list.tools.0.into_iter().enumerate().map(|(index, item)| item.read(index).map_err(|flaw| flaw.in_file(file))).collect()
 }
 

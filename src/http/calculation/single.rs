@@ -51,7 +51,7 @@ pub(super) fn warnings_schema(components: &mut Components) -> ArrayBuilder {
 /// The schema of a request with one contact.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
     let schema = ObjectSchema::new("A calculation at one contact", components).with::<SharedMembers>().required(&CONTACT);
-    ContactParameters::describe(schema, C::STATED).with::<C::Members>().build()
+    schema.with_members(C::STATED.members()).with::<C::Members>().build()
 }
 
 /// Answers a request with one contact.
