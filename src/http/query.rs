@@ -2,8 +2,8 @@
 //! with the names of nested members joined. A query is converted to that JSON and read by the same readers; faults
 //! point to the query's parameters.
 
-use super::body::malformed;
 use super::codes::RequestFault;
+use super::json_body::malformed;
 use super::problem::Problem;
 use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark};
 use serde_json::Value;

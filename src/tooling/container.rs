@@ -1,6 +1,6 @@
 //! Detects the format of a library file by its content, and reads the files of a zip.
 
-use super::fault::{Flaw, LibraryFault, LibraryFaultKind, LibraryFaults, quoted};
+use super::library_fault::{Flaw, LibraryFault, LibraryFaultKind, LibraryFaults, quoted};
 use super::{ToolLibrary, ToolPlace, csv, freecad, fusion};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
 use crate::cancellation::CancelFlag;

@@ -1,10 +1,10 @@
 //! Reader of FreeCAD's tools. A `.fctb` file is one tool in JSON, with a shape and dimensions as text with a unit. A
 //! `.fctl` file lists the tools of a library with their numbers.
 
+use super::cutter_shape::Shape;
 use super::dimension::{LengthUnit, number_with_unit, shown, teeth, tool_number};
-use super::fault::{Flaw, Flaws, LibraryFault};
+use super::library_fault::{Flaw, Flaws, LibraryFault};
 use super::scalar::Scalar;
-use super::shape::Shape;
 use super::{MOST_TOOLS, ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::milling::Cutter;
 use crate::quantity::Length;

@@ -5,10 +5,10 @@
 //! tool's lengths are in its `unit`; its `holder`, which has another unit, is not read. Speed and feed come from the
 //! preset with "finish" in its name, otherwise from the first preset.
 
+use super::cutter_shape::Shape;
 use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
-use super::fault::{Flaw, Flaws, LibraryFault};
+use super::library_fault::{Flaw, Flaws, LibraryFault};
 use super::scalar::Scalar;
-use super::shape::Shape;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::json::each;
 use crate::milling::Cutter;

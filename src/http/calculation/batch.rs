@@ -2,12 +2,12 @@
 //! contact without an answer does not affect the others.
 
 use super::column::{Column, Table};
-use super::selection::Selection;
+use super::selected_columns::Selection;
 use super::single::{self, warnings_schema};
 use super::{Calculation, Inputs};
 use crate::cancellation::CancelFlag;
-use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
+use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{

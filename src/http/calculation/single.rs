@@ -1,8 +1,8 @@
 //! Requests with one contact, as JSON or as a query, and their answers.
 
 use super::{Calculation, Inputs};
-use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::WarningCode;
+use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
 use crate::http::query::Query;
 use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, ObjectSchema};

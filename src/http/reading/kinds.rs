@@ -27,7 +27,7 @@ impl<T> Quantity<T> {
         Self { of, example, minimum: None, hint: "" }
     }
 
-    /// The same quantity, which also accepts numbers from `minimum` up to the quantity's own bound. `hint` explains
+    /// A quantity that also accepts numbers from `minimum` up to the quantity's own bound. `hint` explains
     /// them.
     pub(crate) const fn down_to(self, minimum: f64, hint: &'static str) -> Self {
         Self { minimum: Some(minimum), hint, ..self }

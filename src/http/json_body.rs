@@ -57,7 +57,7 @@ impl WrittenJson {
         Self::until(&CancelFlag::default(), answer)
     }
 
-    /// The same for a large answer. Once `cancel` is set, writing ends early, and the result must be discarded.
+    /// Writes a large answer. Once `cancel` is set, writing ends early, and the result must be discarded.
     pub(crate) fn until(cancel: &CancelFlag, answer: &impl Serialize) -> Result<Self, Problem> {
         let mut text = Cancellable { text: Vec::with_capacity(USUAL_ANSWER), cancel };
         match serde_json::to_writer(&mut text, answer) {
@@ -78,7 +78,7 @@ impl WrittenJson {
         Self { pieces, length, reservation: None }
     }
 
-    /// The same answer with `reservation`, which is resized to the answer and released when the answer has been sent.
+    /// Adds `reservation` to the answer, which is resized to the answer and released when the answer has been sent.
     pub(crate) fn holding(mut self, mut reservation: Reservation) -> Result<Self, Problem> {
         reservation.resize(self.length)?;
         self.reservation = Some(reservation);

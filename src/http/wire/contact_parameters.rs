@@ -1,11 +1,11 @@
 //! The parameters of the calculations: those of the whole request, and those that each contact may override.
 
-use super::curvature::{CurvatureMembers, SURFACE_RADIUS, StatedCurvature};
-use super::cutter::{AnyCutter, StatedCutter};
+use super::curvature_object::{CurvatureMembers, SURFACE_RADIUS, StatedCurvature};
+use super::cutter_object::{AnyCutter, StatedCutter};
 use super::feed::{Feed, FeedMembers};
-use super::model::MODEL;
-use super::runout::RunoutObject;
-use super::step_over::{self, StepOverMembers};
+use super::model_member::MODEL;
+use super::runout_object::RunoutObject;
+use super::step_over_member::{self, StepOverMembers};
 use crate::http::reading::{Choice, Declared, Faulted, Faults, JsonPath, Member, Members, Object, Quantity, members};
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
@@ -76,7 +76,7 @@ impl ContactParameters {
     /// The step-over; a missing one is a fault if the request must state it.
     pub(crate) fn step_over(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
         match self.step_over? {
-            None if self.stated.step_over => Err(step_over::missing(path, faults)),
+            None if self.stated.step_over => Err(step_over_member::missing(path, faults)),
             step_over => Ok(step_over),
         }
     }
@@ -97,7 +97,7 @@ impl ContactParameters {
 
     /// The member that states the step-over.
     pub(crate) fn step_over_member(&self) -> &'static str {
-        step_over::member_of(self.step_over.ok().flatten())
+        step_over_member::member_of(self.step_over.ok().flatten())
     }
 }
 

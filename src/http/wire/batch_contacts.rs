@@ -1,8 +1,8 @@
 //! The contacts of a batch: an array of objects, or an object of columns.
 
 use super::batch_contact::{BatchContact, batch_contact_schemas};
-use super::contact;
-use super::parameters::{ContactParameters, StatedParameters};
+use super::contact_object;
+use super::contact_parameters::{ContactParameters, StatedParameters};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{AnyMember, Columns, Components, Faulted, Faults, JsonPath, Object, describe, items};
 use serde_json::value::RawValue;
@@ -98,5 +98,5 @@ impl<'a> Contacts<'a> {
 
 /// The columns of contacts with the parameters that `stated` allows.
 fn known(stated: StatedParameters) -> impl Iterator<Item = &'static dyn AnyMember> {
-    contact::members().chain(stated.members().map(|declared| declared.member))
+    contact_object::members().chain(stated.members().map(|declared| declared.member))
 }

@@ -1,6 +1,6 @@
 //! The cutters to choose from, each with its drive if stated: teeth, spindle speed and the limit on the feed per tooth.
 
-use super::cutter::{TEETH, kinds_schema, read_geometry};
+use super::cutter_object::{TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, Object, Quantity, Whole, describe, members, text};
 use crate::planning::zigzag::{CandidateCutter, Drive};
