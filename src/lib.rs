@@ -95,7 +95,7 @@ mod archive;
 pub mod cancellation;
 pub mod health;
 pub mod http;
-mod json_text;
+mod json;
 pub mod memory_budget;
 pub mod milling;
 pub mod motion;

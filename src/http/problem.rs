@@ -75,7 +75,7 @@ impl Problem {
         problem
     }
 
-    /// The same problem, with the header `Retry-After`.
+    /// Adds the header `Retry-After`.
     pub(crate) fn retry_after(mut self, seconds: u32) -> Self {
         self.0.retry_after_s = Some(seconds);
         self

@@ -55,7 +55,7 @@ impl Work {
         Ok(self.admit(Self::LONGEST_WAIT).await?.run(work).await)
     }
 
-    /// The same for the work that follows an upload.
+    /// Runs the work that follows an upload, which waits longer for a permit.
     ///
     /// # Errors
     /// [`Overload::Workers`] if no permit becomes free.

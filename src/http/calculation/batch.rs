@@ -2,20 +2,19 @@
 //! contact without an answer does not affect the others.
 
 use super::column::{Column, Table};
-use super::selection::Selection;
+use super::selected_columns::Selection;
 use super::single::{self, warnings_schema};
 use super::{Calculation, Inputs};
 use crate::cancellation::CancelFlag;
-use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
+use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
-use crate::http::reading::{Components, Fault, Faulted, Faults, Kind, Members, Object, ObjectSchema};
+use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
     BatchContact, CHECK_FIGURES, ContactParameters, Contacts, Failure, Figures, Get, InOrder, MODEL, SharedMembers, SharedParameters,
     Summary, Warning, no_answer,
 };
 use crate::http::worker_pool::Work;
-use crate::json_text::JsonPath;
 use crate::milling::{EvaluatedPass, NoAnswer};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
@@ -53,7 +52,7 @@ pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody)
 }
 
 fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
-    body.read_until(cancel, |object, faults| {
+    body.read(|object, faults| {
         let path = object.path();
         let (defaults, batch) = Batch::<C>::read(object, faults);
         let path = path.member(CONTACTS);
@@ -114,7 +113,7 @@ impl<C: Calculation> Batch<C> {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
-            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT, cancel);
+            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, &self.defaults, path, &mut faults);
@@ -267,7 +266,7 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
     let contacts = Contacts::schema(C::STATED, components);
     let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
     let schema = ObjectSchema::new(about, components).with::<SharedMembers>();
-    let schema = ContactParameters::describe(schema, C::STATED).with::<C::Members>();
+    let schema = schema.with_members(C::STATED.members()).with::<C::Members>();
     Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
 }
 

@@ -35,7 +35,7 @@ impl Resources {
         }
     }
 
-    /// The same resources with another reservation.
+    /// These resources with another reservation.
     pub(super) fn with(self, memory: Reservation) -> Self {
         Self { memory, ..self }
     }

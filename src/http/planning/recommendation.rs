@@ -7,8 +7,8 @@ use super::parameters::{CUTTERS, ParameterMembers, Parameters};
 use super::plan::Task;
 use super::simulation::on_threads;
 use crate::cancellation::CancelFlag;
-use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
+use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Components, Faulted, ObjectSchema};
 use crate::http::wire::SURFACE;
@@ -85,7 +85,7 @@ fn attempt(task: Task, mut resources: Resources, cancelled: &CancelFlag) -> Resu
 /// Reads a body and prepares the facets of the plan. `memory` grows with them.
 fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Result<(Task, Reservation), Problem> {
     let mut exceeded = None;
-    let task = body.read_until(cancelled, |object, faults| {
+    let task = body.read(|object, faults| {
         let parameters = Parameters::read(object, Libraries::default(), faults);
         let surface = object.required(&SURFACE, faults);
         let (parameters, surface) = (parameters?, surface?);

@@ -9,18 +9,17 @@ use super::plan::Task;
 use super::recommendation::answer_to;
 use crate::cancellation::{CancelFlag, CancelOnDrop};
 use crate::http::app_state::AppState;
-use crate::http::body::{WrittenJson, read_text};
 use crate::http::body_pipe::body_pipe;
 use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
+use crate::http::json_body::{WrittenJson, read_text};
 use crate::http::metrics::Metrics;
 use crate::http::multipart::{Form, Head};
 use crate::http::problem::{Problem, UploadProblems};
-use crate::http::reading::{Components, Fault, Faulted, Faults, ObjectSchema};
+use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectSchema};
 use crate::http::wire::{MOST_CUTTERS, SURFACE, SurfaceWithSource};
 use crate::http::worker_pool::Work;
-use crate::json_text::JsonPath;
-use crate::memory_budget::{MemoryBudget, Reservation};
+use crate::memory_budget::Reservation;
 use crate::planning::memory::{COARSE_DIAMETERS, RankingSize};
 use crate::surface::ReceivedSurface;
 use crate::surface::read::{self, Format, FormatHint, ReadError, Reader};
@@ -76,8 +75,7 @@ pub(crate) async fn answer(work: Work, State(AppState { metrics, .. }): State<Ap
     received.memory = Some(memory);
     let resources = Resources::none(&work, Work::LONGEST_WAIT_OF_PLAN);
     let bytes = received.bytes_to_answer(&resources);
-    let budget = work.budget().clone();
-    let answer = move |memory, cancelled: &CancelFlag| received.answer(resources.with(memory), &budget, cancelled);
+    let answer = move |memory, cancelled: &CancelFlag| received.answer(resources.with(memory), cancelled);
     work.run_with_memory(work.budget().open(), bytes, Work::LONGEST_WAIT_OF_PLAN, answer).await?
 }
 
@@ -164,7 +162,7 @@ impl Received {
         self.faults.push(fault);
     }
 
-    fn answer(mut self, resources: Resources, budget: &MemoryBudget, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
+    fn answer(mut self, resources: Resources, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
         self.memory.iter_mut().for_each(Reservation::begin_work);
         let Some(parameters) = self.parameters.take() else {
             let mut faults = Faults::default();
@@ -173,7 +171,7 @@ impl Received {
             faults.add(&path, RequestFault::MissingField, "the part is missing: the cutters and the machine, as JSON");
             return Err(Problem::faulty_request(faults));
         };
-        let task = read_text(&parameters, budget, cancelled, |object, faults| {
+        let task = read_text(&parameters, |object, faults| {
             let libraries = std::mem::take(&mut self.libraries);
             let warnings: Vec<_> = libraries.warnings().collect();
             let parameters = Parameters::read(object, libraries, faults);

@@ -4,11 +4,10 @@ use super::codes::ServiceProblem;
 use super::collected_body::collect;
 use super::middleware::memory_budget;
 use super::problem::Problem;
-use super::reading::{Faulted, Faults, Object};
+use super::reading::{Faulted, Faults, Object, mark_not_finite};
 use crate::cancellation::CancelFlag;
-use crate::json_text::JsonError;
-use crate::json_text::not_finite::mark_not_finite;
-use crate::memory_budget::{MemoryBudget, Reservation};
+use crate::json::JsonError;
+use crate::memory_budget::Reservation;
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
@@ -25,7 +24,6 @@ use std::task::{Context, Poll};
 /// stops at the first fault.
 pub(crate) struct JsonBody {
     json: Bytes,
-    budget: MemoryBudget,
 }
 
 impl<S: Send + Sync> FromRequest<S> for JsonBody {
@@ -38,7 +36,7 @@ impl<S: Send + Sync> FromRequest<S> for JsonBody {
         }
         let budget = memory_budget(&request);
         let json = collect(request.into_body(), &budget).await?;
-        Ok(Self { json, budget })
+        Ok(Self { json })
     }
 }
 
@@ -59,7 +57,7 @@ impl WrittenJson {
         Self::until(&CancelFlag::default(), answer)
     }
 
-    /// The same for a large answer. Once `cancel` is set, writing ends early, and the result must be discarded.
+    /// Writes a large answer. Once `cancel` is set, writing ends early, and the result must be discarded.
     pub(crate) fn until(cancel: &CancelFlag, answer: &impl Serialize) -> Result<Self, Problem> {
         let mut text = Cancellable { text: Vec::with_capacity(USUAL_ANSWER), cancel };
         match serde_json::to_writer(&mut text, answer) {
@@ -80,7 +78,7 @@ impl WrittenJson {
         Self { pieces, length, reservation: None }
     }
 
-    /// The same answer with `reservation`, which is resized to the answer and released when the answer has been sent.
+    /// Adds `reservation` to the answer, which is resized to the answer and released when the answer has been sent.
     pub(crate) fn holding(mut self, mut reservation: Reservation) -> Result<Self, Problem> {
         reservation.resize(self.length)?;
         self.reservation = Some(reservation);
@@ -168,33 +166,19 @@ impl JsonBody {
     /// Reads the body, an object, with `read`. Recorded faults take precedence over a result. Members that `read` does
     /// not take are faults.
     pub(crate) fn read<T>(&self, read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
-        self.read_until(&CancelFlag::default(), read)
-    }
-
-    /// The same for a large body. Once `cancel` is set, reading ends early, and the result must be discarded.
-    pub(crate) fn read_until<T>(
-        &self,
-        cancel: &CancelFlag,
-        read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
-    ) -> Result<T, Problem> {
-        read_text(&self.json, &self.budget, cancel, read)
+        read_text(&self.json, read)
     }
 }
 
-/// [`JsonBody::read_until`] for JSON from another source.
-pub(crate) fn read_text<T>(
-    json: &[u8],
-    budget: &MemoryBudget,
-    cancel: &CancelFlag,
-    read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
-) -> Result<T, Problem> {
-    let mut faults = Faults::until(cancel);
+/// Reads JSON from any source, as [`JsonBody::read`].
+pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
+    let mut faults = Faults::default();
     let marked;
     let object = match Object::open_body(json, &mut faults) {
         Ok(object) => object,
         Err(error) => {
-            marked = mark_not_finite(json, budget, cancel)?.ok_or_else(|| malformed(&error))?;
-            Object::open_body(marked.as_ref(), &mut faults).map_err(|error| malformed(&error))?
+            marked = mark_not_finite(json).ok_or_else(|| malformed(&error))?;
+            Object::open_body(&marked, &mut faults).map_err(|error| malformed(&error))?
         }
     };
     match object.and_then(|object| object.read(&mut faults, read)) {

@@ -1,7 +1,7 @@
 //! Faults of a tool library, each with file, tool and member, what is expected there and what was found.
 
 use super::{ToolPlace, shortened};
-use crate::json_text::JsonError;
+use crate::json::JsonError;
 use std::borrow::Cow;
 use std::fmt;
 
@@ -179,7 +179,8 @@ impl Flaw {
 
     /// The flaw of a text that is not JSON, or not the expected JSON. The parser's message may quote a long text, so it
     /// is shortened.
-    pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &JsonError) -> Self {
+    pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &serde_json::Error) -> Self {
+        let error = JsonError::from(error);
         Self::malformed(expected, format!("{} at line {} column {}", shortened(error.message()), error.line(), error.column()))
     }
 

@@ -2,10 +2,10 @@
 
 use super::Calculation;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, Member, Object, ObjectSchema, Whole, items, text};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, items, text};
 use crate::http::wire::{CHECK_FIGURES, Figure, Heights};
-use crate::json_text::{JsonPath, JsonText};
 use crate::numerics::rounding::to_digits;
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -35,7 +35,7 @@ impl ColumnNames {
 impl Kind for ColumnNames {
     type Value = Vec<&'static Figure>;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         // A list without repetitions has at most as many items as there are names. Further items are read only to
         // report their faults.
         let names = items(raw, "an array", 2 * self.known.len(), path, faults)?;

@@ -2,11 +2,11 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, Components, Faulted, Faults, Form, Kind, Members, Object, Pair, PlainKind, Quantity, Slots, at_most_one, members,
+    AddMembers, AnyMember, Components, Faulted, Faults, Form, JsonPath, Kind, Members, Object, Pair, Quantity, at_most_one, members,
 };
-use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
 use crate::quantity::{Angle, OutOfRange};
+use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
 
 const RADIUS: Quantity<SurfaceCurvature> = Quantity::new(SurfaceCurvature::from_radius_mm, 120.0)
@@ -18,7 +18,7 @@ const fn per_mm(example: f64) -> Quantity<f64> {
 
 members! {
     /// The members for the curvature, of which at most one may be given.
-    pub(super) plain struct CurvatureMembers / CurvatureSlots {
+    pub(super) struct CurvatureMembers {
         radius: optional SURFACE_RADIUS: Quantity<SurfaceCurvature> = ("surface_radius_mm", RADIUS,
             "the surface's radius of curvature across the feed: positive convex, negative concave, at least 1e-6 in magnitude, absent = plane; along the feed the surface is straight; or give surface_curvature"),
         curvature: optional SURFACE_CURVATURE: CurvatureKind = ("surface_curvature", CurvatureKind,
@@ -27,7 +27,7 @@ members! {
 }
 members! {
     /// A curvature by its components in the axes of the feed.
-    pub(super) plain struct ComponentMembers / ComponentSlots {
+    pub(super) struct ComponentMembers {
         along: optional ALONG: Quantity<f64> = ("along_per_mm", per_mm(-0.004),
             "1/radius along the feed: positive convex, negative concave; absent = 0"),
         across: optional ACROSS: Quantity<f64> = ("across_per_mm", per_mm(0.01),
@@ -38,7 +38,7 @@ members! {
 }
 members! {
     /// A curvature by its principal curvatures.
-    pub(super) plain struct PrincipalMembers / PrincipalSlots {
+    pub(super) struct PrincipalMembers {
         principal: required PRINCIPAL: Pair = ("principal_per_mm", Pair { of: per_mm(0.012), example: [0.012, -0.005] },
             "the two principal curvatures, 1/radius: positive convex, negative concave"),
         angle: required PRINCIPAL_ANGLE: Quantity<Angle> = ("angle_deg", Quantity::new(Angle::from_degrees, 30.0),
@@ -56,17 +56,13 @@ pub(super) struct StatedCurvature {
 impl CurvatureMembers {
     /// The curvature, if one is given.
     pub(super) fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StatedCurvature>, Faulted> {
-        self.stated().unwrap_or_else(|| {
+        let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
+        let by_radius = self.radius.map(|stated| stated.map(of(SURFACE_RADIUS.name)));
+        let curvature = self.curvature.map(|stated| stated.map(of(SURFACE_CURVATURE.name)));
+        at_most_one(by_radius, curvature).unwrap_or_else(|| {
             let detail = "give surface_radius_mm or surface_curvature, not both";
             Err(faults.add(&path.member(SURFACE_CURVATURE.name), RequestFault::ConflictingFields, detail))
         })
-    }
-
-    /// The curvature, if one is given; `None` if both members are.
-    pub(super) fn stated(&self) -> Option<Result<Option<StatedCurvature>, Faulted>> {
-        let of = |member: &'static str| move |curvature: SurfaceCurvature| StatedCurvature { curvature, member };
-        let by_radius = self.radius.map(|stated| stated.map(of(SURFACE_RADIUS.name)));
-        at_most_one(by_radius, self.curvature.map(|stated| stated.map(of(SURFACE_CURVATURE.name))))
     }
 }
 
@@ -90,7 +86,7 @@ impl PrincipalMembers {
 impl Kind for CurvatureKind {
     type Value = SurfaceCurvature;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceCurvature, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceCurvature, Faulted> {
         let curvature = Object::open(raw, path, faults)?.read(faults, |object, faults| {
             if !object.has_any_of::<PrincipalMembers>() {
                 return ComponentMembers::read(object, faults).curvature();
@@ -112,26 +108,14 @@ impl Kind for CurvatureKind {
         let union = "The surface's curvature at a contact, in one of two forms";
         components.refer("SurfaceCurvature", about, |components| components.one_of(union, &forms).into())
     }
-}
 
-impl PlainKind for CurvatureKind {
-    type Plain = FormSlots;
+    fn columns(&self) -> Option<Vec<&'static dyn AnyMember>> {
+        Some(ComponentMembers::DECLARED.iter().chain(PrincipalMembers::DECLARED).map(|declared| declared.member).collect())
+    }
 
     fn column_schema(&self, about: &str, most: usize, components: &mut Components) -> RefOr<Schema> {
         let columns = "Columns of curvatures, each contact in one of two forms";
-        components.refer_object("SurfaceCurvatureColumns", about, columns, &|schema| FormSlots::describe_columns(schema, most))
-    }
-
-    fn accept(&self, plain: FormSlots) -> Option<SurfaceCurvature> {
-        let (components, principal) = plain;
-        let curvature = match (components.are_absent(), principal.are_absent()) {
-            (_, true) => components.accept()?.curvature(),
-            (true, false) => principal.accept()?.curvature(),
-            (false, false) => return None,
-        };
-        curvature.ok()?.ok()
+        let members = self.columns().unwrap_or_default();
+        components.refer_object("SurfaceCurvatureColumns", about, columns, &|schema| schema.with_columns(members.iter().copied(), most))
     }
 }
-
-/// The values of either form in one pass.
-type FormSlots = (ComponentSlots, PrincipalSlots);

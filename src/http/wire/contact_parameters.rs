@@ -1,13 +1,12 @@
 //! The parameters of the calculations: those of the whole request, and those that each contact may override.
 
-use super::curvature::{CurvatureMembers, CurvatureSlots, SURFACE_RADIUS, StatedCurvature};
-use super::cutter::{AnyCutter, StatedCutter};
-use super::feed::{Feed, FeedMembers, FeedSlots};
-use super::model::MODEL;
-use super::runout::RunoutObject;
-use super::step_over::{self, StepOverMembers, StepOverSlots};
-use crate::http::reading::{Choice, Faulted, Faults, KnownColumns, Member, Members, Object, ObjectSchema, Quantity, Slots, members};
-use crate::json_text::JsonPath;
+use super::curvature_object::{CurvatureMembers, SURFACE_RADIUS, StatedCurvature};
+use super::cutter_object::{AnyCutter, StatedCutter};
+use super::feed::{Feed, FeedMembers};
+use super::model_member::MODEL;
+use super::runout_object::RunoutObject;
+use super::step_over_member::{self, StepOverMembers};
+use crate::http::reading::{Choice, Declared, Faulted, Faults, JsonPath, Member, Members, Object, Quantity, members};
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
 use crate::quantity::Length;
 
@@ -56,47 +55,12 @@ pub(crate) struct ContactParameters {
 }
 
 impl ContactParameters {
-    /// A step-over of 1 mm.
-    #[cfg(test)]
-    pub(super) fn with_step_over(stated: StatedParameters) -> Self {
-        let step_over = Ok(Some(StepOver::AlongSurface(Length::computed(1.0))));
-        Self { stated, step_over, feed_per_tooth: Ok(None), curvature: Ok(None) }
-    }
-
     /// Reads from `object` the parameters that `stated` allows, all of them optional there.
     pub(crate) fn read(object: &mut Object<'_, '_>, stated: StatedParameters, faults: &mut Faults) -> Self {
         let path = object.path();
         let step_over = if stated.step_over { StepOverMembers::read(object, faults).build(&path, faults) } else { Ok(None) };
         let feed_per_tooth = if stated.feed_per_tooth { FeedMembers::read(object, faults).feed_per_tooth } else { Ok(None) };
         Self { stated, step_over, feed_per_tooth, curvature: CurvatureMembers::read(object, faults).build(&path, faults) }
-    }
-
-    pub(crate) fn describe(schema: ObjectSchema<'_>, stated: StatedParameters) -> ObjectSchema<'_> {
-        let schema = if stated.step_over { schema.with::<StepOverMembers>() } else { schema };
-        let schema = if stated.feed_per_tooth { schema.with::<FeedMembers>() } else { schema };
-        schema.with::<CurvatureMembers>()
-    }
-
-    /// The parameters from values that were read in one pass, with those of `defaults` in place of absent ones; `None`
-    /// if there is a fault.
-    #[inline]
-    pub(super) fn accept(slots: &ParameterSlots, defaults: &Self) -> Option<Self> {
-        // Nearly all contacts state no parameters.
-        if slots.are_absent() { Some(*defaults) } else { Some(Self::accept_stated(*slots, defaults.stated)?.or(defaults)) }
-    }
-
-    fn accept_stated(slots: ParameterSlots, stated: StatedParameters) -> Option<Self> {
-        let ((step_over, feed), curvature) = slots;
-        let is_known = (stated.step_over || step_over.are_absent()) && (stated.feed_per_tooth || feed.are_absent());
-        if !is_known {
-            return None;
-        }
-        Some(Self {
-            stated,
-            step_over: step_over.accept()?.stated()?,
-            feed_per_tooth: feed.accept()?.feed_per_tooth,
-            curvature: curvature.accept()?.stated()?,
-        })
     }
 
     /// These parameters, with those of `others` in place of absent ones.
@@ -112,7 +76,7 @@ impl ContactParameters {
     /// The step-over; a missing one is a fault if the request must state it.
     pub(crate) fn step_over(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
         match self.step_over? {
-            None if self.stated.step_over => Err(step_over::missing(path, faults)),
+            None if self.stated.step_over => Err(step_over_member::missing(path, faults)),
             step_over => Ok(step_over),
         }
     }
@@ -133,12 +97,9 @@ impl ContactParameters {
 
     /// The member that states the step-over.
     pub(crate) fn step_over_member(&self) -> &'static str {
-        step_over::member_of(self.step_over.ok().flatten())
+        step_over_member::member_of(self.step_over.ok().flatten())
     }
 }
-
-/// The values of a contact's parameters.
-pub(super) type ParameterSlots = ((StepOverSlots, FeedSlots), CurvatureSlots);
 
 impl StatedParameters {
     /// The name of a contact with these parameters of its own, after the form in which the contact is.
@@ -152,17 +113,10 @@ impl StatedParameters {
         format!("{form}With{of_parameters}")
     }
 
-    /// The columns of these parameters.
-    pub(super) fn columns(self) -> KnownColumns {
-        let step_over = if self.step_over { StepOverSlots::columns() } else { Vec::new() };
-        let feed = if self.feed_per_tooth { FeedSlots::columns() } else { Vec::new() };
-        step_over.into_iter().chain(feed).chain(CurvatureSlots::columns()).collect()
-    }
-
-    /// Adds columns of these parameters to a schema.
-    pub(super) fn describe_columns(self, schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
-        let schema = if self.step_over { StepOverSlots::describe_columns(schema, most) } else { schema };
-        let schema = if self.feed_per_tooth { FeedSlots::describe_columns(schema, most) } else { schema };
-        CurvatureSlots::describe_columns(schema, most)
+    /// The members of these parameters, none of which is required.
+    pub(crate) fn members(self) -> impl Iterator<Item = &'static Declared> {
+        let step_over = if self.step_over { StepOverMembers::DECLARED } else { &[] };
+        let feed = if self.feed_per_tooth { FeedMembers::DECLARED } else { &[] };
+        step_over.iter().chain(feed).chain(CurvatureMembers::DECLARED)
     }
 }

@@ -1,16 +1,16 @@
-//! The contacts of a batch: an array of objects, or an object of columns, which are parsed directly into numbers.
+//! The contacts of a batch: an array of objects, or an object of columns.
 
-use super::batch_contact::{BatchContact, ContactSlots, batch_contact_schemas};
-use super::contact::FormSlots;
-use super::parameters::{ContactParameters, StatedParameters};
+use super::batch_contact::{BatchContact, batch_contact_schemas};
+use super::contact_object;
+use super::contact_parameters::{ContactParameters, StatedParameters};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Columns, Components, Faulted, Faults, KnownColumns, Object, Slots, describe, items};
-use crate::json_text::{JsonPath, JsonText};
+use crate::http::reading::{AnyMember, Columns, Components, Faulted, Faults, JsonPath, Object, describe, items};
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
 
 /// Contacts that are not read yet. Faults of a contact are found when it is read.
 pub(crate) enum Contacts<'a> {
-    Rows(Vec<JsonText<'a>>),
+    Rows(Vec<&'a RawValue>),
     /// Columns of contacts and of their own parameters. null means the default.
     Columns {
         columns: Columns<'a>,
@@ -25,8 +25,8 @@ impl<'a> Contacts<'a> {
     /// million. With it, an answer stays below about 100 MB.
     pub(crate) const MOST: usize = 250_000;
 
-    /// Opens an array or an object of columns whose syntax has been checked.
-    pub(crate) fn open(raw: JsonText<'a>, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+    /// Opens an array or an object of columns.
+    pub(crate) fn open(raw: &'a RawValue, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         match raw.get().as_bytes().first() {
             Some(b'[') => items(raw, "an array", Self::MOST, path, faults).map(Self::Rows),
             Some(b'{') => Self::open_columns(raw, stated, path, faults),
@@ -37,27 +37,21 @@ impl<'a> Contacts<'a> {
         }
     }
 
-    fn open_columns(raw: JsonText<'a>, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
+    fn open_columns(raw: &'a RawValue, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
         // Columns are read even if another part of the request has faults.
         let faults_before = faults.count();
         let mut object = Object::open(raw, path, faults)?;
-        let columns = Columns::take(&mut object, &known(stated), Self::MOST, faults);
+        let columns = Columns::take(&mut object, known(stated), Self::MOST, faults);
         object.close(faults)?;
-        let contacts = Self::of_columns(columns, &path, faults);
+        let mut first = None;
+        columns.check_rows(&mut first, &path, faults);
         if faults.count() > faults_before {
             return Err(Faulted);
         }
-        contacts.ok_or_else(|| {
+        first.map(|(first_column, count)| Self::Columns { columns, first_column, count }).ok_or_else(|| {
             let detail = "give the columns slope_deg and feed_angle_deg, or normal and feed";
             faults.add(&path, RequestFault::MissingField, detail)
         })
-    }
-
-    /// The contacts in columns, which must have one length; `None` without columns.
-    fn of_columns(columns: Columns<'a>, path: &JsonPath<'_>, faults: &mut Faults) -> Option<Self> {
-        let mut first = None;
-        columns.check_rows(&mut first, path, faults);
-        first.map(|(first_column, count)| Self::Columns { columns, first_column, count })
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -76,7 +70,6 @@ impl<'a> Contacts<'a> {
     }
 
     /// Reads a contact, whose own parameters override `defaults`.
-    #[inline]
     pub(crate) fn read(
         &self,
         index: usize,
@@ -84,15 +77,11 @@ impl<'a> Contacts<'a> {
         path: JsonPath<'_>,
         faults: &mut Faults,
     ) -> Result<BatchContact, Faulted> {
-        let columns = match self {
-            Self::Rows(rows) => return BatchContact::read(rows[index], defaults, path, faults),
-            Self::Columns { columns, .. } => columns,
+        let object = match self {
+            Self::Rows(rows) => Object::open(rows[index], path, faults)?,
+            Self::Columns { columns, .. } => columns.row(index, path),
         };
-        let mut slots = ContactSlots::default();
-        match columns.fill(index, &mut slots).ok().and_then(|()| BatchContact::accept(&slots, defaults)) {
-            Some(contact) => Ok(contact),
-            None => BatchContact::read_faulty(JsonText::known(&columns.text(index)), defaults, path, faults),
-        }
+        BatchContact::read(object, defaults, faults)
     }
 
     /// The schema of contacts with the parameters that `stated` allows.
@@ -100,15 +89,14 @@ impl<'a> Contacts<'a> {
         let rows = ArrayBuilder::new().items(batch_contact_schemas(stated, components)).max_items(Some(Self::MOST));
         let about =
             "Contacts as columns of one length, by angles or by vectors; null means the value that the request states for all contacts";
-        let columns = components.refer_object(&stated.name("ContactColumns"), "", about, &|schema| {
-            stated.describe_columns(FormSlots::describe_columns(schema, Self::MOST), Self::MOST)
-        });
+        let columns =
+            components.refer_object(&stated.name("ContactColumns"), "", about, &|schema| schema.with_columns(known(stated), Self::MOST));
         let contacts = OneOfBuilder::new().item(rows.description(Some("an object for each contact"))).item(columns);
         contacts.description(Some("the contacts of the tool path, in their order: an array of objects or an object of columns"))
     }
 }
 
 /// The columns of contacts with the parameters that `stated` allows.
-fn known(stated: StatedParameters) -> KnownColumns {
-    FormSlots::columns().into_iter().chain(stated.columns()).collect()
+fn known(stated: StatedParameters) -> impl Iterator<Item = &'static dyn AnyMember> {
+    contact_object::members().chain(stated.members().map(|declared| declared.member))
 }

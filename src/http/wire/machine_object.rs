@@ -2,10 +2,10 @@
 //! spindle speed and clearance are optional.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, Member, Quantity, members, text};
-use crate::json_text::{JsonPath, JsonText};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Quantity, members, text};
 use crate::motion::{self, MachineLimits, PRESETS, Preset};
 use crate::quantity::{Acceleration, Jerk, Length, Speed, SpindleSpeed};
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -74,7 +74,7 @@ pub(crate) struct PresetName;
 impl Kind for PresetName {
     type Value = &'static Preset;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<&'static Preset, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<&'static Preset, Faulted> {
         let name = text(raw, path, faults)?;
         Preset::named(&name).ok_or_else(|| {
             let known = PRESETS.map(|preset| preset.name).join(", ");

@@ -1,10 +1,12 @@
 //! Toroidal, ball-end and flat-end cutters, discriminated by `type`.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{AddMembers, Choice, Components, Faulted, Faults, Kind, Member, Members, Object, Quantity, Whole, members};
-use crate::json_text::{JsonPath, JsonText};
+use crate::http::reading::{
+    AddMembers, Choice, Components, Faulted, Faults, JsonPath, Kind, Member, Members, Object, Quantity, Whole, members,
+};
 use crate::milling::Cutter;
 use crate::quantity::Length;
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::{Discriminator, ObjectBuilder, OneOfBuilder, Type as SchemaKind};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -67,7 +69,7 @@ pub(crate) struct AnyCutter;
 impl Kind for AnyCutter {
     type Value = StatedCutter;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedCutter, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedCutter, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let cutter = read_geometry(&mut object, faults);
         let teeth = AnyMembers::read(&mut object, faults).teeth;

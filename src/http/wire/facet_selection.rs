@@ -2,10 +2,10 @@
 
 use super::points::{point, point_schema};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, List, Quantity, Whole, members};
-use crate::json_text::{JsonPath, JsonText};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, List, Quantity, Whole, members};
 use crate::quantity::Angle;
 use crate::surface::mesh::{Selection, SelectionError};
+use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
 
 /// The member of `select` that lists pieces. The fault of an unknown piece points to it.
@@ -66,7 +66,7 @@ pub(crate) struct Corner;
 impl Kind for Corner {
     type Value = [f64; 3];
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
         point(raw, path, faults)
     }
 

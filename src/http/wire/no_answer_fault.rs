@@ -1,10 +1,9 @@
 //! Converts the reason why a pass has no answer to a fault of the request, with its member, code and figures.
 
-use super::contact::{CONTACT, StatedContact};
+use super::contact_object::{CONTACT, StatedContact};
+use super::contact_parameters::{CUTTER, ContactParameters, RUNOUT, TOLERANCE};
 use super::feed::FEED_PER_TOOTH;
-use super::parameters::{CUTTER, ContactParameters, RUNOUT, TOLERANCE};
-use crate::http::reading::Fault;
-use crate::json_text::JsonPath;
+use crate::http::reading::{Fault, JsonPath};
 use crate::milling::NoAnswer;
 
 /// The fault for `cause` in the request at `path`. It points to the member by which contact or parameters were stated;

@@ -1,8 +1,7 @@
 //! The runout of the cutter: the deviation of its teeth from their common circle.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, Quantity, members};
-use crate::json_text::JsonPath;
+use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
 use crate::milling::Runout;
 
 members! {

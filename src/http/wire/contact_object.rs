@@ -2,16 +2,16 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, Components, Faulted, Faults, Form, Kind, Member, Members, Number, Object, Quantity, Slots, Vector, members,
+    AddMembers, AnyMember, Components, Faulted, Faults, Form, JsonPath, Kind, Member, Members, Number, Object, Quantity, Vector, members,
 };
-use crate::json_text::{JsonPath, JsonText};
 use crate::milling::{Contact, ContactError};
 use crate::quantity::OutOfRange;
+use serde_json::value::RawValue;
 use utoipa::openapi::{RefOr, Schema};
 
 members! {
     /// A contact by angles.
-    pub(super) plain struct AngleMembers / AngleSlots {
+    pub(super) struct AngleMembers {
         slope: required SLOPE: Quantity<f64> = ("slope_deg", Quantity::new(Contact::checked_slope_deg, 40.0),
             "slope S, the angle between the surface's normal and the tool axis: 0 on a floor, 90 on a wall"),
         feed_angle: required FEED_ANGLE: Quantity<f64> = ("feed_angle_deg", Quantity::new(|degrees| OutOfRange::check(degrees, -f64::MAX, f64::MAX), 30.0),
@@ -20,7 +20,7 @@ members! {
 }
 members! {
     /// A contact by vectors.
-    pub(super) plain struct VectorMembers / VectorSlots {
+    pub(super) struct VectorMembers {
         normal: required NORMAL: Vector = ("normal", Vector { of: Number, example: [-0.64, 0.0, 0.77] },
             "the surface's normal, out of the part, with a length above 0; at most 90 deg from the tool axis"),
         feed: required FEED: Vector = ("feed", Vector { of: Number, example: [1.0, 0.0, 0.84] },
@@ -64,7 +64,7 @@ pub(crate) struct ContactKind;
 impl Kind for ContactKind {
     type Value = StatedContact;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedContact, Faulted> {
         Object::open(raw, path, faults)?.read(faults, read)
     }
 
@@ -72,6 +72,11 @@ impl Kind for ContactKind {
         let names = ["AngleContact", "VectorContact"];
         components.refer("Contact", about, |components| forms(names, "A contact", components, &|schema| schema))
     }
+}
+
+/// The members of a contact, in both forms.
+pub(super) fn members() -> impl Iterator<Item = &'static dyn AnyMember> {
+    AngleMembers::DECLARED.iter().chain(VectorMembers::DECLARED).map(|declared| declared.member)
 }
 
 /// Reads the members of a contact from `object`, which may have others.
@@ -92,20 +97,6 @@ pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<S
         };
         faults.add(&object.path().member(member), RequestFault::NoDirection, error)
     })
-}
-
-/// The values of either form in one pass.
-pub(super) type FormSlots = (AngleSlots, VectorSlots);
-
-/// The contact from values read in one pass; `None` if there is a fault.
-#[inline]
-pub(super) fn accept((angles, vectors): FormSlots) -> Option<StatedContact> {
-    let contact = match (angles.are_absent(), vectors.are_absent()) {
-        (false, true) => angles.accept()?.contact(),
-        (true, false) => vectors.accept()?.contact(),
-        (true, true) | (false, false) => return None,
-    };
-    contact.ok()?.ok()
 }
 
 /// The schemas of the two forms, each with the members that `with` adds.

@@ -1,7 +1,7 @@
 //! Conversion of a library's shape, diameter and corner radius to a finishing cutter.
 
 use super::dimension::shown;
-use super::fault::Flaw;
+use super::library_fault::Flaw;
 use crate::milling::Cutter;
 use crate::quantity::Length;
 

@@ -4,9 +4,8 @@
 use super::feed_limits::{BINDING_LIMIT, FEED_RATE, FeedLimits, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::{Calculation, Inputs, Texts};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Faulted, Faults, Kind, Quantity, members};
+use crate::http::reading::{Faulted, Faults, JsonPath, Kind, Quantity, members};
 use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
-use crate::json_text::JsonPath;
 use crate::milling::{CuttingLimits, LimitedBy, NoAnswer};
 use crate::quantity::Length;
 

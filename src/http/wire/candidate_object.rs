@@ -1,12 +1,12 @@
 //! The cutters to choose from, each with its drive if stated: teeth, spindle speed and the limit on the feed per tooth.
 
-use super::cutter::{TEETH, kinds_schema, read_geometry};
+use super::cutter_object::{TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, Quantity, Whole, describe, members, text};
-use crate::json_text::{JsonPath, JsonText};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, Object, Quantity, Whole, describe, members, text};
 use crate::planning::zigzag::{CandidateCutter, Drive};
 use crate::quantity::{Length, SpindleSpeed};
 use crate::tooling::LibraryTool;
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -57,7 +57,7 @@ pub(crate) struct CandidateKind;
 impl Kind for CandidateKind {
     type Value = NamedCandidate;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<NamedCandidate, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<NamedCandidate, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let cutter = read_geometry(&mut object, faults);
         let members = CandidateMembers::read(&mut object, faults);
@@ -85,7 +85,7 @@ impl Name {
 impl Kind for Name {
     type Value = String;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
         let name = text(raw, path, faults)?;
         if (1..=Self::LONGEST).contains(&name.chars().count()) {
             return Ok(name);
