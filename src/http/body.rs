@@ -2,6 +2,7 @@
 
 use super::codes::ServiceProblem;
 use super::collected_body::collect;
+use super::compression::{Compressor, GZIP, is_worthwhile};
 use super::middleware::memory_budget;
 use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object, mark_not_finite};
@@ -48,6 +49,7 @@ pub(crate) struct WrittenJson {
     pieces: VecDeque<Bytes>,
     /// The bytes in the pieces.
     length: u64,
+    is_compressed: bool,
     /// The memory reserved for the answer until it is sent.
     reservation: Option<Reservation>,
 }
@@ -75,7 +77,24 @@ impl WrittenJson {
     pub(crate) fn in_pieces(pieces: impl IntoIterator<Item = Vec<u8>>) -> Self {
         let pieces: VecDeque<Bytes> = pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect();
         let length = pieces.iter().map(|piece| piece.len() as u64).sum();
-        Self { pieces, length, reservation: None }
+        Self { pieces, length, is_compressed: false, reservation: None }
+    }
+
+    /// The same answer, compressed if the client accepts that. Once `cancel` is set, compression ends early, and the
+    /// result must be discarded.
+    pub(crate) fn compressed(self, is_accepted: bool, cancel: &CancelFlag) -> Self {
+        if !is_accepted || !is_worthwhile(self.length) {
+            return self;
+        }
+        let mut compressor = Compressor::new();
+        let mut compressed = Vec::new();
+        // Each piece is dropped when it is compressed.
+        for piece in self.pieces {
+            compressor.add(&piece, || cancel.is_cancelled());
+            compressed.push(compressor.take());
+        }
+        compressed.push(compressor.finish());
+        Self { is_compressed: true, ..Self::in_pieces(compressed) }
     }
 
     /// The same answer with `reservation`, which is resized to the answer and released when the answer has been sent.
@@ -144,7 +163,8 @@ impl HttpBody for WrittenJson {
 
 impl IntoResponse for WrittenJson {
     fn into_response(self) -> Response {
-        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], Body::new(self)).into_response()
+        let coding = self.is_compressed.then_some([(header::CONTENT_ENCODING, GZIP)]);
+        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], coding, Body::new(self)).into_response()
     }
 }
 

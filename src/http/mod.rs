@@ -7,6 +7,7 @@ mod body_pipe;
 mod calculation;
 mod codes;
 mod collected_body;
+mod compression;
 mod document;
 mod examples;
 pub mod metrics;

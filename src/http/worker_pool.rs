@@ -21,6 +21,8 @@ pub struct Work {
     workers: WorkerPool,
     budget: MemoryBudget,
     metrics: Metrics,
+    /// Whether the client accepts compressed answers.
+    compresses: bool,
 }
 
 impl Work {
@@ -33,7 +35,17 @@ impl Work {
     pub(crate) const LONGEST_WAIT_OF_PLAN: Duration = Duration::from_secs(20);
 
     pub(crate) fn new(workers: WorkerPool, budget: MemoryBudget, metrics: Metrics) -> Self {
-        Self { workers, budget, metrics }
+        Self { workers, budget, metrics, compresses: false }
+    }
+
+    /// The same for a client that accepts compressed answers, or does not.
+    pub(crate) fn compressing(self, compresses: bool) -> Self {
+        Self { compresses, ..self }
+    }
+
+    /// Whether workers compress the answer.
+    pub(crate) fn compresses(&self) -> bool {
+        self.compresses
     }
 
     /// A permit, for which the request waits at most `longest`.

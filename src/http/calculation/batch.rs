@@ -48,7 +48,8 @@ pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody)
     // There is a comma between contacts, as objects or in a column.
     let contacts = Contacts::MOST.min(memchr::memchr_iter(b',', body.json()).count() + 1);
     let memory = work.budget().reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
-    work.run(move |cancel| compute::<C>(&body, cancel)?.holding(memory)).await?
+    let compresses = work.compresses();
+    work.run(move |cancel| compute::<C>(&body, cancel)?.compressed(compresses, cancel).holding(memory)).await?
 }
 
 fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {

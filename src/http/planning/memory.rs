@@ -14,6 +14,8 @@ pub(super) struct Resources {
     pub(super) memory: Reservation,
     pub(super) parallelism: Parallelism,
     pub(super) room: PlanRoom,
+    /// Whether the answer is compressed.
+    pub(super) compresses: bool,
     /// The threads of a permit.
     threads: usize,
     /// The longest wait for more memory.
@@ -29,6 +31,7 @@ impl Resources {
             memory: work.budget().open(),
             parallelism: Parallelism { threads: work.threads(), candidates: work.threads() },
             room: PlanRoom::USUAL,
+            compresses: work.compresses(),
             threads: work.threads(),
             longest_wait,
             largest: usize::try_from(work.budget().largest()).unwrap_or(usize::MAX),

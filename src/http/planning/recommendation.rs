@@ -107,5 +107,5 @@ pub(super) fn answer_to(task: Task, mut resources: Resources, cancelled: &Cancel
     let (mesh, ranking) = task.size();
     resources.provide(mesh, ranking, &stop)?;
     let answer = on_threads(resources.parallelism.threads, || task.answer(&mut resources, &stop))??;
-    WrittenJson::until(cancelled, &answer)?.holding(resources.memory)
+    WrittenJson::until(cancelled, &answer)?.compressed(resources.compresses, cancelled).holding(resources.memory)
 }
