@@ -3,14 +3,13 @@
 use super::codes::ServiceProblem;
 use super::collected_body::collect;
 use super::compression::{Compressor, GZIP, is_worthwhile};
-use super::middleware::memory_budget;
 use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object, mark_not_finite};
+use crate::budget::{Budget, Held};
 use crate::cancellation::CancelFlag;
 use crate::json::JsonError;
-use crate::memory_budget::Reservation;
 use axum::body::{Body, Bytes, HttpBody};
-use axum::extract::{FromRequest, Request};
+use axum::extract::{FromRef, FromRequest, Request};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use http_body::{Frame, SizeHint};
@@ -27,16 +26,19 @@ pub(crate) struct JsonBody {
     json: Bytes,
 }
 
-impl<S: Send + Sync> FromRequest<S> for JsonBody {
+impl<S: Send + Sync> FromRequest<S> for JsonBody
+where
+    Budget: FromRef<S>,
+{
     type Rejection = Problem;
 
-    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
+    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
         if !is_json(request.headers()) {
             let detail = "send JSON with the header content-type: application/json";
             return Err(Problem::new(ServiceProblem::UnsupportedMediaType, detail));
         }
-        let budget = memory_budget(&request);
-        let json = collect(request.into_body(), &budget).await?;
+        let stated = request.headers().get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse().ok());
+        let json = collect(request.into_body(), stated, &Budget::from_ref(state)).await?;
         Ok(Self { json })
     }
 }
@@ -50,8 +52,8 @@ pub(crate) struct WrittenJson {
     /// The bytes in the pieces.
     length: u64,
     is_compressed: bool,
-    /// The memory reserved for the answer until it is sent.
-    reservation: Option<Reservation>,
+    /// The memory of the answer until it is sent.
+    held: Option<Held>,
 }
 
 impl WrittenJson {
@@ -77,7 +79,7 @@ impl WrittenJson {
     pub(crate) fn in_pieces(pieces: impl IntoIterator<Item = Vec<u8>>) -> Self {
         let pieces: VecDeque<Bytes> = pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect();
         let length = pieces.iter().map(|piece| piece.len() as u64).sum();
-        Self { pieces, length, is_compressed: false, reservation: None }
+        Self { pieces, length, is_compressed: false, held: None }
     }
 
     /// The same answer, compressed if the client accepts that. Once `cancel` is set, compression ends early, and the
@@ -97,11 +99,12 @@ impl WrittenJson {
         Self { is_compressed: true, ..Self::in_pieces(compressed) }
     }
 
-    /// The same answer with `reservation`, which is resized to the answer and released when the answer has been sent.
-    pub(crate) fn holding(mut self, mut reservation: Reservation) -> Result<Self, Problem> {
-        reservation.resize(self.length)?;
-        self.reservation = Some(reservation);
-        Ok(self)
+    /// The same answer with the memory of its job, which is returned but for the answer's bytes, and then as these are
+    /// sent.
+    pub(crate) fn holding(mut self, mut held: Held) -> Self {
+        held.shrink_to(self.length);
+        self.held = Some(held);
+        self
     }
 }
 
@@ -145,8 +148,8 @@ impl HttpBody for WrittenJson {
         if is_piece_sent {
             self.pieces.pop_front();
             let left = self.length;
-            if let Some(reservation) = &mut self.reservation {
-                reservation.shrink_to(left);
+            if let Some(held) = &mut self.held {
+                held.shrink_to(left);
             }
         }
         Poll::Ready(Some(Ok(Frame::data(frame))))

@@ -18,7 +18,7 @@ use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 
 use super::overload::Overload;
-use crate::memory_budget::MemoryBudget;
+use crate::budget::Budget;
 use crate::telemetry;
 
 /// Upper bounds of the histogram's buckets, in s: from a single calculation to the request time-out.
@@ -64,7 +64,7 @@ struct Counters {
 impl Metrics {
     /// Counters at zero, and the state of `budget`.
     #[must_use]
-    pub fn new(budget: &MemoryBudget) -> Self {
+    pub fn new(budget: &Budget) -> Self {
         let requests = Family::default();
         let durations = Durations::new_with_constructor(|| Histogram::new(DURATIONS));
         let in_flight = Gauge::default();
@@ -133,14 +133,15 @@ impl Metrics {
 
 /// The state of the memory budget at each scrape.
 #[derive(Debug)]
-struct BudgetMetrics(MemoryBudget);
+struct BudgetMetrics(Budget);
 
 impl Collector for BudgetMetrics {
     fn encode(&self, mut encoder: DescriptorEncoder) -> Result<(), std::fmt::Error> {
         let reserved =
-            encoder.encode_descriptor("scallopd_memory_reserved", "Memory reserved for requests", Some(&Unit::Bytes), MetricType::Gauge)?;
-        ConstGauge::new(self.0.reserved()).encode(reserved)?;
-        let refusals = encoder.encode_descriptor("scallopd_memory_refusals", "Reservations refused", None, MetricType::Counter)?;
+            encoder.encode_descriptor("scallopd_memory_reserved", "Memory held by requests", Some(&Unit::Bytes), MetricType::Gauge)?;
+        ConstGauge::new(self.0.held()).encode(reserved)?;
+        let refusals =
+            encoder.encode_descriptor("scallopd_memory_refusals", "Requests refused for lack of memory", None, MetricType::Counter)?;
         ConstCounter::new(self.0.refusals()).encode(refusals)
     }
 }
@@ -186,7 +187,7 @@ mod tests {
 
     #[test]
     fn the_text_contains_the_counts() {
-        let metrics = Metrics::new(&MemoryBudget::new(1000));
+        let metrics = Metrics::new(&Budget::new(1000));
         let route: Arc<str> = Arc::from("/v1/max-feed");
         metrics.began();
         metrics.ended("POST", &route, 200, Duration::from_millis(2));

@@ -24,15 +24,9 @@ use super::overload::Overload;
 use super::problem::Problem;
 use super::routes::RouteClass;
 use super::worker_pool::Work;
-use crate::memory_budget::MemoryBudget;
 use crate::settings::Settings;
 use body::{BodyProgress, BodyRules};
 use observe::{Observer, observe};
-
-/// The memory budget that the outermost layer has added to `request`.
-pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
-    BodyProgress::of(request).budget().clone()
-}
 
 /// The middleware of one service.
 pub(super) struct Stack<'a> {
@@ -64,10 +58,10 @@ impl<'a> Stack<'a> {
     pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
         let AppState { metrics, readiness, workers, budget } = self.state.clone();
         let rules = Arc::new(BodyRules::new(class, self.settings));
-        let work = class.uses_workers().then(|| Work::new(workers.clone(), budget.clone(), metrics.clone()));
+        let work = class.uses_workers().then(|| Work::new(workers.clone(), budget, metrics.clone()));
         let in_flight = class.is_shed().then(|| Arc::clone(&self.in_flight));
         let admit = Admit { in_flight, metrics: metrics.clone(), work, rules: Arc::clone(&rules) };
-        let observer = Observer { class, metrics, readiness, budget };
+        let observer = Observer { class, metrics, readiness };
         // Layer 8 replaces the framework's own body limit of 2 MB.
         let all = ServiceBuilder::new()
             .layer(from_fn_with_state(observer, observe))

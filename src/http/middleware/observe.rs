@@ -19,7 +19,6 @@ use crate::http::problem::describe_error;
 use crate::http::readiness::Readiness;
 use crate::http::request_id::{self, RequestId};
 use crate::http::routes::RouteClass;
-use crate::memory_budget::MemoryBudget;
 
 /// The status that is logged for a request whose client closed the connection before the answer, as in nginx.
 const CLIENT_LEFT: u16 = 499;
@@ -30,16 +29,15 @@ pub(super) struct Observer {
     pub(super) class: RouteClass,
     pub(super) metrics: Metrics,
     pub(super) readiness: Readiness,
-    pub(super) budget: MemoryBudget,
 }
 
 /// The outermost layer: it gives the request an id, turns errors into problems, and logs and counts the request at its
 /// end.
 pub(super) async fn observe(State(observer): State<Observer>, mut request: Request, next: Next) -> Response {
-    let Observer { class, metrics, readiness, budget } = observer;
+    let Observer { class, metrics, readiness } = observer;
     let id = request_id::take_or_create(&mut request);
     let has_body = !request.body().is_end_stream();
-    let progress = Arc::new(BodyProgress::begin(has_body, budget));
+    let progress = Arc::new(BodyProgress::begin(has_body));
     request.extensions_mut().insert(Arc::clone(&progress));
     if has_body {
         request = request.map(|body| Body::new(RecordedBody { body, progress: Arc::clone(&progress) }));
