@@ -193,8 +193,12 @@ impl JsonBody {
     }
 }
 
-/// Reads JSON from any source, as [`JsonBody::read`].
+/// The mark with which some programs begin UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// Reads JSON from any source, as [`JsonBody::read`]. A byte-order mark before it is skipped.
 pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
+    let json = json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json);
     let mut faults = Faults::default();
     let marked;
     let object = match Object::open_body(json, &mut faults) {
