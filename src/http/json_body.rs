@@ -2,14 +2,14 @@
 
 use super::codes::ServiceProblem;
 use super::collected_body::collect;
-use super::middleware::memory_budget;
+use super::compression::{Compressor, GZIP, is_worthwhile};
 use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object, mark_not_finite};
+use crate::budget::{Budget, Held};
 use crate::cancellation::CancelFlag;
 use crate::json::JsonError;
-use crate::memory_budget::Reservation;
 use axum::body::{Body, Bytes, HttpBody};
-use axum::extract::{FromRequest, Request};
+use axum::extract::{FromRef, FromRequest, Request};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use http_body::{Frame, SizeHint};
@@ -26,16 +26,19 @@ pub(crate) struct JsonBody {
     json: Bytes,
 }
 
-impl<S: Send + Sync> FromRequest<S> for JsonBody {
+impl<S: Send + Sync> FromRequest<S> for JsonBody
+where
+    Budget: FromRef<S>,
+{
     type Rejection = Problem;
 
-    async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
+    async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
         if !is_json(request.headers()) {
             let detail = "send JSON with the header content-type: application/json";
             return Err(Problem::new(ServiceProblem::UnsupportedMediaType, detail));
         }
-        let budget = memory_budget(&request);
-        let json = collect(request.into_body(), &budget).await?;
+        let stated = request.headers().get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse().ok());
+        let json = collect(request.into_body(), stated, &Budget::from_ref(state)).await?;
         Ok(Self { json })
     }
 }
@@ -48,8 +51,9 @@ pub(crate) struct WrittenJson {
     pieces: VecDeque<Bytes>,
     /// The bytes in the pieces.
     length: u64,
-    /// The memory reserved for the answer until it is sent.
-    reservation: Option<Reservation>,
+    is_compressed: bool,
+    /// The memory of the answer until it is sent.
+    held: Option<Held>,
 }
 
 impl WrittenJson {
@@ -75,14 +79,32 @@ impl WrittenJson {
     pub(crate) fn in_pieces(pieces: impl IntoIterator<Item = Vec<u8>>) -> Self {
         let pieces: VecDeque<Bytes> = pieces.into_iter().map(Bytes::from).filter(|piece| !piece.is_empty()).collect();
         let length = pieces.iter().map(|piece| piece.len() as u64).sum();
-        Self { pieces, length, reservation: None }
+        Self { pieces, length, is_compressed: false, held: None }
     }
 
-    /// Adds `reservation` to the answer, which is resized to the answer and released when the answer has been sent.
-    pub(crate) fn holding(mut self, mut reservation: Reservation) -> Result<Self, Problem> {
-        reservation.resize(self.length)?;
-        self.reservation = Some(reservation);
-        Ok(self)
+    /// The same answer, compressed if the client accepts that. Once `cancel` is set, compression ends early, and the
+    /// result must be discarded.
+    pub(crate) fn compressed(self, is_accepted: bool, cancel: &CancelFlag) -> Self {
+        if !is_accepted || !is_worthwhile(self.length) {
+            return self;
+        }
+        let mut compressor = Compressor::new();
+        let mut compressed = Vec::new();
+        // Each piece is dropped when it is compressed.
+        for piece in self.pieces {
+            compressor.add(&piece, || cancel.is_cancelled());
+            compressed.push(compressor.take());
+        }
+        compressed.push(compressor.finish());
+        Self { is_compressed: true, ..Self::in_pieces(compressed) }
+    }
+
+    /// The same answer with the memory of its job, which is returned but for the answer's bytes, and then as these are
+    /// sent.
+    pub(crate) fn holding(mut self, mut held: Held) -> Self {
+        held.shrink_to(self.length);
+        self.held = Some(held);
+        self
     }
 }
 
@@ -126,8 +148,8 @@ impl HttpBody for WrittenJson {
         if is_piece_sent {
             self.pieces.pop_front();
             let left = self.length;
-            if let Some(reservation) = &mut self.reservation {
-                reservation.shrink_to(left);
+            if let Some(held) = &mut self.held {
+                held.shrink_to(left);
             }
         }
         Poll::Ready(Some(Ok(Frame::data(frame))))
@@ -144,7 +166,8 @@ impl HttpBody for WrittenJson {
 
 impl IntoResponse for WrittenJson {
     fn into_response(self) -> Response {
-        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], Body::new(self)).into_response()
+        let coding = self.is_compressed.then_some([(header::CONTENT_ENCODING, GZIP)]);
+        ([(header::CONTENT_TYPE, HeaderValue::from_static("application/json"))], coding, Body::new(self)).into_response()
     }
 }
 
@@ -170,8 +193,12 @@ impl JsonBody {
     }
 }
 
-/// Reads JSON from any source, as [`JsonBody::read`].
+/// The mark with which some programs begin UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// Reads JSON from any source, as [`JsonBody::read`]. A byte-order mark before it is skipped.
 pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
+    let json = json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json);
     let mut faults = Faults::default();
     let marked;
     let object = match Object::open_body(json, &mut faults) {

@@ -6,6 +6,7 @@ mod body_pipe;
 mod calculation;
 mod codes;
 mod collected_body;
+mod compression;
 mod document;
 mod examples;
 mod json_body;

@@ -5,6 +5,7 @@ use super::column::{Column, Table};
 use super::selected_columns::Selection;
 use super::single::{self, warnings_schema};
 use super::{Calculation, Inputs};
+use crate::budget::Job;
 use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
 use crate::http::json_body::{JsonBody, WrittenJson};
@@ -35,20 +36,11 @@ const MOST_FAULTS: usize = 100;
 /// The largest number of faults listed for one contact.
 const MOST_FAULTS_OF_A_CONTACT: usize = 8;
 
-/// The memory of a contact in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most
-/// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts sent as columns are
-/// stored as up to 13 columns, with 8 bytes for each number and 16 for each array.
-const MEMORY_OF_A_CONTACT: usize = 660;
-
-/// The memory of the listed failures and of the rest of an answer.
-const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
-
 /// Answers a request with many contacts, on worker threads and within the memory budget.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     // There is a comma between contacts, as objects or in a column.
     let contacts = Contacts::MOST.min(memchr::memchr_iter(b',', body.json()).count() + 1);
-    let memory = work.budget().reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
-    work.run(move |cancel| compute::<C>(&body, cancel)?.holding(memory)).await?
+    work.answer(Job::Batch { contacts }, move |cancel| compute::<C>(&body, cancel)).await
 }
 
 fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
