@@ -2,6 +2,7 @@
 
 mod bezier;
 mod bounds;
+mod delaunay;
 mod grid;
 pub mod mesh;
 mod moments;
