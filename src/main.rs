@@ -39,7 +39,7 @@ fn main() -> ExitCode {
         Ok(Command::OpenApi(version)) => {
             let document = match version {
                 OpenApiVersion::V3_1 => http::openapi_json(),
-                OpenApiVersion::V3_0 => http::openapi_3_0_json(),
+                OpenApiVersion::V3_0 => http::OPENAPI_3_0_JSON.to_owned(),
             };
             exit(std::io::stdout().write_all(document.as_bytes()).map(|()| true))
         }

@@ -20,6 +20,9 @@ use crate::priority;
 /// The largest number of threads for each permit. More would hardly reduce the time.
 const MAX_THREADS_PER_REQUEST: usize = 8;
 
+/// The largest number of recommendations that are computed at once.
+const MAX_PLANS: usize = 4;
+
 /// The largest number of files that are read at once. A thread waits for the data of its file, so that there are more
 /// of them than cores.
 const READERS: usize = 32;
@@ -33,8 +36,7 @@ struct Shared {
     /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
     permits: Arc<Semaphore>,
-    /// The permits that recommendations may use: half of all. That many at once keep all cores busy, and batches still
-    /// find a permit.
+    /// The permits that recommendations may use. Each uses all cores, so that few suffice; batches find the others.
     plans: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
     pieces: ThreadPool,
@@ -71,7 +73,7 @@ impl WorkerPool {
         let shared = Shared {
             free: Mutex::new(free),
             permits: Arc::new(Semaphore::new(most)),
-            plans: Arc::new(Semaphore::new(most.div_ceil(2))),
+            plans: Arc::new(Semaphore::new(most.div_ceil(2).min(MAX_PLANS))),
             pieces: threads("piece", cores)?,
             readers: threads("reader", READERS)?,
             reader_permits: Arc::new(Semaphore::new(READERS)),
@@ -111,14 +113,6 @@ impl WorkerPool {
     pub async fn run_reader<T: Send + 'static>(&self, longest: Duration, reading: impl FnOnce() -> T + Send + 'static) -> Option<T> {
         let permit = acquire(&self.0.reader_permits, longest).await?;
         Some(run_on(&self.0.readers, permit, reading).await)
-    }
-
-    /// Runs `work` on `count` new threads instead of the permit's, because each thread takes memory.
-    ///
-    /// # Errors
-    /// The system cannot start the threads.
-    pub fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
-        if count >= rayon::current_num_threads() { Ok(work()) } else { Ok(threads("few", count)?.install(work)) }
     }
 }
 

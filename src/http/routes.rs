@@ -94,7 +94,7 @@ impl Routes {
         self
     }
 
-    /// The same set without the operations of one path.
+    /// These routes without the operations of one path.
     pub(crate) fn without(mut self, path: &str) -> Self {
         self.routers.retain(|(_, router)| !router.get_openapi().paths.paths.contains_key(path));
         self

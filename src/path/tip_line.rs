@@ -177,14 +177,14 @@ impl<'a> Line<'a> {
             return false;
         }
         let chord = (high - low) / distance;
-        // The tangents leave the chord at these slopes; they meet on one side of it if T bends one way.
+        // The tangents leave the chord at these slopes. If T bends one way it is between the chord and the tangents, which
+        // meet on one side; else it may follow a tangent for half of the distance. Twice the tolerance is left for a T that
+        // seems to bend one way and does not, as where it rises beside one sample and is straight from there.
         let (leaving, arriving) = (first - chord, chord - last);
-        let deviation = if leaving * arriving > 0.0 {
-            distance * leaving * arriving / (leaving + arriving).abs()
-        } else {
-            0.5 * distance * leaving.abs().max(arriving.abs())
-        };
-        deviation.abs() <= tolerance
+        let astray = 0.5 * distance * leaving.abs().max(arriving.abs());
+        let deviation =
+            if leaving * arriving > 0.0 { (distance * leaving * arriving / (leaving + arriving)).abs().max(0.5 * astray) } else { astray };
+        deviation <= tolerance
     }
 }
 

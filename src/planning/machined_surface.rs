@@ -1,6 +1,5 @@
 //! The facets of a surface with those that are machined.
 
-use super::memory::MAP_SIDE;
 use super::plan::{SurfaceEvidence, Workpiece};
 use crate::quantity::Angle;
 use crate::surface::mesh::{Closure, FacetClass, Pieces, Selection, SelectionError, ViewFromAbove, Visibility};
@@ -9,6 +8,9 @@ use std::collections::BTreeSet;
 
 /// Whether the work is cancelled.
 pub(crate) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// The cells along each side of the raster of maps.
+const MAP_SIDE: usize = 256;
 
 /// The facets of a surface, with those that are machined.
 pub(crate) struct MachinedSurface {

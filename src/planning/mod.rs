@@ -6,7 +6,6 @@
 
 mod confidence;
 pub(crate) mod machined_surface;
-pub mod memory;
 
 pub mod plan;
 pub mod rectangle;

@@ -2,6 +2,7 @@
 
 mod bezier;
 mod bounds;
+mod delaunay;
 mod grid;
 pub mod mesh;
 mod moments;
@@ -20,7 +21,7 @@ pub use grid::{Grid, GridError};
 pub use mesh::{FinishFacet, Mesh, MeshBuilder, MeshError, MeshPart};
 pub use moments::Moments;
 pub use principal_axes::PrincipalAxes;
-pub(crate) use received::{ReceivedPart, ReceivedSurface};
+pub(crate) use received::{MOST_FACETS, ReceivedSurface};
 pub use sampled::{Facing, SampledSurface};
 pub use shape::{Basis, Shape, ShapeError};
 pub use triangulation::LONG_EDGE;

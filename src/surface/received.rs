@@ -5,7 +5,7 @@ use super::{PartedSink, SampledSurface, Sink};
 use crate::cancellation::CancelFlag;
 
 /// The largest number of facets of a surface; more are merged on a raster.
-const MOST_FACETS: usize = 500_000;
+pub(crate) const MOST_FACETS: usize = 500_000;
 
 /// A surface or a part of one that is being received: the sums for its shape, and its facets in `M`.
 #[derive(Debug, Default)]

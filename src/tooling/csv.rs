@@ -6,9 +6,9 @@
 //! semicolon or a tab; a line `sep=;` before the header states it. A decimal comma is accepted if the comma is not the
 //! separator, or in quotation marks.
 
+use super::cutter_shape::Shape;
 use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number, unambiguous_thousands};
-use super::fault::{Flaw, Flaws, LibraryFaults, quoted};
-use super::shape::Shape;
+use super::library_fault::{Flaw, Flaws, LibraryFaults, quoted};
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;

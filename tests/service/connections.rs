@@ -169,3 +169,15 @@ async fn a_connection_beyond_the_limit_waits_until_another_closes() {
     drop(open.pop());
     assert!(read_all(&mut waiting).await.starts_with("HTTP/1.1 200"));
 }
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn bodies_in_chunks_of_one_byte_and_bodies_with_a_byte_order_mark_are_read() {
+    let app = TestApp::start().await;
+    let body = r#"{"cutter":{"type":"ball_end","diameter_mm":6},"contact":{"slope_deg":40,"feed_angle_deg":30},"step_over_mm":0.5}"#;
+    let marked = format!("\u{feff}{body}");
+    assert_eq!(app.send("/v1/scallop-height", marked).await.status(), 200);
+    let chunks: String = body.chars().map(|byte| format!("1\r\n{byte}\r\n")).collect();
+    let head = "POST /v1/scallop-height HTTP/1.1\r\nhost: test\r\nconnection: close\r\ncontent-type: application/json\r\ntransfer-encoding: chunked";
+    let answer = answer_to(&app, &format!("{head}\r\n\r\n{chunks}0\r\n\r\n")).await;
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+}

@@ -182,6 +182,29 @@ fn a_request_is_one_line_with_its_id_route_status_duration_and_bytes() {
 }
 
 #[test]
+fn a_line_of_a_refusal_has_the_problem_its_first_fault_and_the_path_of_a_404() {
+    let program = Program::start(&[]);
+    let mut stream = TcpStream::connect(program.address).unwrap();
+    let body = r#"{"cutter":{"type":"ball_end","diameter_mm":-1}}"#;
+    let head = format!(
+        "POST /v1/scallop-height HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
+        body.len()
+    );
+    stream.write_all((head + body).as_bytes()).unwrap();
+    stream.write_all(b"GET /nowhere HTTP/1.1\r\nhost: test\r\nconnection: close\r\n\r\n").unwrap();
+    stream.read_to_string(&mut String::new()).unwrap();
+    program.signal("TERM");
+    let (_, log) = program.wait();
+    let of_status = |status: u16| log.iter().find(|line| line["status"] == status).unwrap_or_else(|| panic!("no {status} in {log:?}"));
+    let refused = of_status(422);
+    assert_eq!((refused["problem"].as_str(), refused["pointer"].as_str()), (Some("invalid-request"), Some("/cutter/diameter_mm")));
+    assert!(refused["fault"].is_string(), "{refused}");
+    let unknown = of_status(404);
+    assert_eq!((unknown["problem"].as_str(), unknown["path"].as_str()), (Some("not-found"), Some("/nowhere")));
+    assert!(unknown.get("fault").is_none(), "{unknown}");
+}
+
+#[test]
 fn a_head_that_is_no_request_is_one_line_with_its_id_and_status() {
     let program = Program::start(&["--log-level", "debug"]);
     let mut stream = TcpStream::connect(program.address).unwrap();

@@ -2,20 +2,20 @@
 //! contact without an answer does not affect the others.
 
 use super::column::{Column, Table};
-use super::selection::Selection;
+use super::selected_columns::Selection;
 use super::single::{self, warnings_schema};
 use super::{Calculation, Inputs};
+use crate::budget::Job;
 use crate::cancellation::CancelFlag;
-use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::RequestFault;
+use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
-use crate::http::reading::{Components, Fault, Faulted, Faults, Kind, Members, Object, ObjectSchema};
+use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
     BatchContact, CHECK_FIGURES, ContactParameters, Contacts, Failure, Figures, Get, InOrder, MODEL, SharedMembers, SharedParameters,
     Summary, Warning, no_answer,
 };
 use crate::http::worker_pool::Work;
-use crate::json_text::JsonPath;
 use crate::milling::{EvaluatedPass, NoAnswer};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
@@ -36,24 +36,15 @@ const MOST_FAULTS: usize = 100;
 /// The largest number of faults listed for one contact.
 const MOST_FAULTS_OF_A_CONTACT: usize = 8;
 
-/// The memory of a contact in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most
-/// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts sent as columns are
-/// stored as up to 13 columns, with 8 bytes for each number and 16 for each array.
-const MEMORY_OF_A_CONTACT: usize = 660;
-
-/// The memory of the listed failures and of the rest of an answer.
-const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
-
 /// Answers a request with many contacts, on worker threads and within the memory budget.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     // There is a comma between contacts, as objects or in a column.
     let contacts = Contacts::MOST.min(memchr::memchr_iter(b',', body.json()).count() + 1);
-    let memory = work.budget().reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
-    work.run(move |cancel| compute::<C>(&body, cancel)?.holding(memory)).await?
+    work.answer(Job::Batch { contacts }, move |cancel| compute::<C>(&body, cancel)).await
 }
 
 fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
-    body.read_until(cancel, |object, faults| {
+    body.read(|object, faults| {
         let path = object.path();
         let (defaults, batch) = Batch::<C>::read(object, faults);
         let path = path.member(CONTACTS);
@@ -114,7 +105,7 @@ impl<C: Calculation> Batch<C> {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
-            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT, cancel);
+            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, &self.defaults, path, &mut faults);
@@ -267,7 +258,7 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
     let contacts = Contacts::schema(C::STATED, components);
     let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
     let schema = ObjectSchema::new(about, components).with::<SharedMembers>();
-    let schema = ContactParameters::describe(schema, C::STATED).with::<C::Members>();
+    let schema = schema.with_members(C::STATED.members()).with::<C::Members>();
     Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
 }
 

@@ -15,28 +15,18 @@ use axum::response::{IntoResponse, Response};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
-use tower_http::compression::CompressionLayer;
-use tower_http::compression::predicate::{DefaultPredicate, Predicate, SizeAbove};
 
 use super::app_state::AppState;
 use super::codes::ServiceProblem;
+use super::compression::{accepts_gzip, compress};
 use super::metrics::Metrics;
 use super::overload::Overload;
 use super::problem::Problem;
 use super::routes::RouteClass;
 use super::worker_pool::Work;
-use crate::memory_budget::MemoryBudget;
 use crate::settings::Settings;
 use body::{BodyProgress, BodyRules};
 use observe::{Observer, observe};
-
-/// Answers up to this size fit one packet: compressing them costs time and saves nothing.
-const MIN_COMPRESSED_BYTES: u16 = 1024;
-
-/// The memory budget that the outermost layer has added to `request`.
-pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
-    BodyProgress::of(request).budget().clone()
-}
 
 /// The middleware of one service.
 pub(super) struct Stack<'a> {
@@ -56,7 +46,7 @@ impl<'a> Stack<'a> {
     /// 1. request id, log line and counters, which cover every other layer; the body is counted as it arrives;
     /// 2. errors become problems, whichever layer or handler they come from;
     /// 3. headers for browsers, on errors as well;
-    /// 4. compression of answers;
+    /// 4. compression of answers that no worker has compressed;
     /// 5. panics become answers;
     /// 6. load shedding, before the body is read;
     /// 7. the request time-out;
@@ -68,18 +58,16 @@ impl<'a> Stack<'a> {
     pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
         let AppState { metrics, readiness, workers, budget } = self.state.clone();
         let rules = Arc::new(BodyRules::new(class, self.settings));
-        let work = class.uses_workers().then(|| Work::new(workers, budget.clone(), metrics.clone()));
+        let work = class.uses_workers().then(|| Work::new(workers.clone(), budget, metrics.clone()));
         let in_flight = class.is_shed().then(|| Arc::clone(&self.in_flight));
         let admit = Admit { in_flight, metrics: metrics.clone(), work, rules: Arc::clone(&rules) };
-        let observer = Observer { class, metrics, readiness, budget };
-        let compression =
-            CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(MIN_COMPRESSED_BYTES))));
+        let observer = Observer { class, metrics, readiness };
         // Layer 8 replaces the framework's own body limit of 2 MB.
         let all = ServiceBuilder::new()
             .layer(from_fn_with_state(observer, observe))
             .option_layer(browser::cors(&self.settings.cors_origins))
             .map_response(browser::secure)
-            .layer(compression)
+            .layer(from_fn_with_state(workers.clone(), compress))
             .layer(CatchPanicLayer::custom(describe_panic))
             .layer(from_fn_with_state(Arc::new(admit), answer_admitted))
             .map_request(move |request| rules.limit(request))
@@ -119,7 +107,8 @@ async fn answer_admitted(State(admit): State<Arc<Admit>>, mut request: Request, 
         Err(refusal) => return refusal,
     };
     if let Some(work) = &admit.work {
-        request.extensions_mut().insert(work.clone());
+        let work = work.clone().compressing(accepts_gzip(request.headers()));
+        request.extensions_mut().insert(work);
     }
     let progress = BodyProgress::of(&request);
     body::answer_in_time(admit.rules.request_timeout, progress, next.run(request)).await

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{MatchedPath, Request, State};
-use axum::http::{HeaderValue, header};
+use axum::http::{HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::Response;
 use http_body::Frame;
@@ -15,14 +15,16 @@ use tracing::{Instrument, Level, Span};
 
 use super::body::{BodyProgress, RecordedBody};
 use crate::http::metrics::{Metrics, UNMATCHED, method_label};
-use crate::http::problem::describe_error;
+use crate::http::problem::{Refusal, describe_error};
 use crate::http::readiness::Readiness;
 use crate::http::request_id::{self, RequestId};
 use crate::http::routes::RouteClass;
-use crate::memory_budget::MemoryBudget;
 
 /// The status that is logged for a request whose client closed the connection before the answer, as in nginx.
 const CLIENT_LEFT: u16 = 499;
+
+/// The longest part of an unknown path that is logged.
+const LONGEST_PATH: usize = 200;
 
 /// What the outermost layer needs to give a request its id, to log and to count it.
 #[derive(Clone)]
@@ -30,16 +32,15 @@ pub(super) struct Observer {
     pub(super) class: RouteClass,
     pub(super) metrics: Metrics,
     pub(super) readiness: Readiness,
-    pub(super) budget: MemoryBudget,
 }
 
 /// The outermost layer: it gives the request an id, turns errors into problems, and logs and counts the request at its
 /// end.
 pub(super) async fn observe(State(observer): State<Observer>, mut request: Request, next: Next) -> Response {
-    let Observer { class, metrics, readiness, budget } = observer;
+    let Observer { class, metrics, readiness } = observer;
     let id = request_id::take_or_create(&mut request);
     let has_body = !request.body().is_end_stream();
-    let progress = Arc::new(BodyProgress::begin(has_body, budget));
+    let progress = Arc::new(BodyProgress::begin(has_body));
     request.extensions_mut().insert(Arc::clone(&progress));
     if has_body {
         request = request.map(|body| Body::new(RecordedBody { body, progress: Arc::clone(&progress) }));
@@ -51,6 +52,10 @@ pub(super) async fn observe(State(observer): State<Observer>, mut request: Reque
     let answer = async { describe_error(next.run(request).await, uri.path(), &id) };
     let mut response = answer.instrument(span).await;
     record.status = response.status().as_u16();
+    record.refusal = response.extensions_mut().remove::<Refusal>();
+    if record.status == StatusCode::NOT_FOUND {
+        record.path = Some(uri.path().chars().take(LONGEST_PATH).collect());
+    }
     id.mark(&mut response);
     // hyper closes a connection on which a body is unread. This header makes the client open another one; without it,
     // the client's next request on this connection would be lost. The same applies when the server stops.
@@ -72,6 +77,9 @@ struct Record {
     status: u16,
     progress: Arc<BodyProgress>,
     response_bytes: u64,
+    refusal: Option<Refusal>,
+    /// The path of a request that no route matches.
+    path: Option<String>,
     span: Span,
     metrics: Metrics,
     readiness: Readiness,
@@ -100,7 +108,21 @@ impl Record {
         );
         metrics.began();
         let id = id.clone();
-        Self { id, method, route, class, began: Instant::now(), status: CLIENT_LEFT, progress, response_bytes: 0, span, metrics, readiness }
+        Self {
+            id,
+            method,
+            route,
+            class,
+            began: Instant::now(),
+            status: CLIENT_LEFT,
+            progress,
+            response_bytes: 0,
+            refusal: None,
+            path: None,
+            span,
+            metrics,
+            readiness,
+        }
     }
 
     /// Counts the bytes of a frame of the answer.
@@ -114,6 +136,7 @@ impl Drop for Record {
         let duration = self.began.elapsed();
         self.metrics.ended(self.method, &self.route, self.status, duration);
         self.span.record("http.response.status_code", self.status);
+        let fault = self.refusal.as_ref().and_then(|refusal| refusal.fault.as_ref());
         // `parent: None`, because the line itself contains the span's fields.
         macro_rules! line {
             ($level:expr, $message:literal) => {
@@ -128,6 +151,10 @@ impl Drop for Record {
                     duration_ms = (duration.as_secs_f64() * 1e6).round() / 1e3,
                     request_bytes = self.progress.wire_bytes(),
                     response_bytes = self.response_bytes,
+                    problem = self.refusal.as_ref().map(|refusal| refusal.problem),
+                    fault = fault.map(|(code, _)| *code),
+                    pointer = fault.map(|(_, pointer)| pointer.as_str()),
+                    path = self.path.as_deref(),
                     $message
                 )
             };

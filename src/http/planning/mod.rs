@@ -9,7 +9,6 @@ mod job;
 mod library;
 mod machines;
 mod map;
-mod memory;
 mod parameters;
 mod passes;
 mod plan;

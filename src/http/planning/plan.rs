@@ -4,25 +4,24 @@ use super::answer::{RankedCandidate, RecommendationAnswer, RecommendedCutter};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::map::MapAnswer;
-use super::memory::{BYTES_OF_A_MAP, Resources};
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
 use super::simulation::{Simulation, report};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
-use crate::http::reading::{Faulted, Faults};
+use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSource, Warning};
-use crate::json_text::JsonPath;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
 use crate::planning::machined_surface::{MachinedSurface, Stop};
-use crate::planning::memory::RankingSize;
 use crate::planning::plan::{CandidatePlan, NotRankedReason};
 use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
-use crate::surface::mesh::MeshSize;
 use crate::surface::{ReceivedSurface, Shape, ShapeError};
+
+/// The most points of the passes in an answer, some 100 MB of JSON.
+const MOST_POINTS: usize = 400_000;
 
 /// A recommendation to compute: a surface and the parameters.
 pub(super) struct Task {
@@ -72,22 +71,15 @@ impl Task {
         Ok(Self { parameters, shape, machined, source, warnings })
     }
 
-    /// The size of the mesh and of the ranking on it.
-    pub(super) fn size(&self) -> (MeshSize, RankingSize) {
-        let candidates: Vec<_> = self.parameters.candidates.iter().map(|named| named.candidate).collect();
-        let none = (MeshSize { facets: 0, points: 0 }, RankingSize { facets: 0, candidates: candidates.len(), diameters: 0 });
-        self.machined.as_ref().map_or(none, |machined| (machined.mesh.size(), RankingSize::of(&machined.mesh, &candidates)))
-    }
-
     /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer must be discarded.
-    pub(super) fn answer(mut self, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
+    pub(super) fn answer(mut self, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         match (self.parameters.method, self.machined.take()) {
-            (Method::Surface, Some(machined)) => self.on_surface(&machined, resources, stop),
+            (Method::Surface, Some(machined)) => self.on_surface(&machined, stop),
             (_, machined) => self.on_rectangle(machined.as_ref(), stop),
         }
     }
 
-    fn on_surface(mut self, machined: &MachinedSurface, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
+    fn on_surface(mut self, machined: &MachinedSurface, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
         let Some(simulation) = Simulation::run(machined, &self.parameters, &all, &self.shape, by, stop) else {
             return Err(Problem::no_cutter_fits(Vec::new()));
@@ -103,10 +95,14 @@ impl Task {
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
-        let has_map = self.parameters.includes(Part::Map);
-        resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
-        let passes = if self.parameters.includes(Part::Passes) { PassesAnswer::new(machined, &simulation, stop) } else { None };
-        let map = if has_map { MapAnswer::new(machined, &simulation, stop) } else { None };
+        let points = ranking.plans.first().map_or(0, CandidatePlan::points);
+        let fits = points <= MOST_POINTS;
+        if self.parameters.includes(Part::Passes) && !fits {
+            let detail = format!("the passes have {points} points, more than {MOST_POINTS}, and were left out");
+            self.warnings.push(Warning::new(WarningCode::PassesLeftOut, detail));
+        }
+        let passes = if self.parameters.includes(Part::Passes) && fits { PassesAnswer::new(machined, &simulation, stop) } else { None };
+        let map = if self.parameters.includes(Part::Map) { MapAnswer::new(machined, &simulation, stop) } else { None };
         let published = self.published().map(|published| published.plan);
         let answer = self.answered(candidates, not_ranked, Some(machined), published, confidence.into());
         Ok(RecommendationAnswer { map, passes, ..answer })

@@ -2,16 +2,12 @@
 
 use super::parameters::{Parameters, SELECT};
 use crate::http::codes::RequestFault;
-use crate::http::problem::Problem;
-use crate::http::reading::{Faulted, Faults};
+use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::PIECES_NAME;
-use crate::json_text::JsonPath;
 use crate::milling::Model;
 use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};
 use crate::planning::plan::{CandidateCutter, PlanSettings, Ranking, rank};
 use crate::surface::{MeshError, Shape};
-use crate::worker_pool::WorkerPool;
-use axum::http::StatusCode;
 
 /// Records the fault of the surface at `path`.
 pub(super) fn report(reason: NoMachinedSurface, path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
@@ -50,14 +46,6 @@ impl Simulation {
         let ranking = rank(&machined.workpiece, &candidates, &settings, machined.evidence(), stop)?;
         Some(Self { settings, candidates, ranking })
     }
-}
-
-/// Runs `work` on this many threads. A failure to start them is logged.
-pub(super) fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> Result<T, Problem> {
-    WorkerPool::on_threads(count, work).map_err(|error| {
-        tracing::error!(%error, "no threads for a recommendation");
-        Problem::of_status(StatusCode::INTERNAL_SERVER_ERROR)
-    })
 }
 
 fn mesh_code(error: MeshError) -> RequestFault {

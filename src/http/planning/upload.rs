@@ -3,25 +3,22 @@
 
 use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
-use super::memory::{Resources, bytes_of_machined_surface};
 use super::parameters::{ParameterMembers, Parameters};
 use super::plan::Task;
 use super::recommendation::answer_to;
+use crate::budget::{Held, Job};
 use crate::cancellation::{CancelFlag, CancelOnDrop};
 use crate::http::app_state::AppState;
-use crate::http::body::{WrittenJson, read_text};
 use crate::http::body_pipe::body_pipe;
 use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
+use crate::http::json_body::{WrittenJson, read_text};
 use crate::http::metrics::Metrics;
 use crate::http::multipart::{Form, Head};
 use crate::http::problem::{Problem, UploadProblems};
-use crate::http::reading::{Components, Fault, Faulted, Faults, ObjectSchema};
+use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectSchema};
 use crate::http::wire::{MOST_CUTTERS, SURFACE, SurfaceWithSource};
-use crate::http::worker_pool::Work;
-use crate::json_text::JsonPath;
-use crate::memory_budget::{MemoryBudget, Reservation};
-use crate::planning::memory::{COARSE_DIAMETERS, RankingSize};
+use crate::http::worker_pool::{LONGEST_WAIT_OF_PLAN, Work};
 use crate::surface::ReceivedSurface;
 use crate::surface::read::{self, Format, FormatHint, ReadError, Reader};
 use crate::tooling::ToolLibrary;
@@ -71,30 +68,12 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
     responses((status = 200, description = "The recommendation, with all candidates", body = RecommendationAnswer), UploadProblems),
 )]
 pub(crate) async fn answer(work: Work, State(AppState { metrics, .. }): State<AppState>, mut form: Form) -> Result<WrittenJson, Problem> {
-    let memory = reserve(&work, form.stated_length()).await?;
+    let input = Job::Upload { bytes: form.stated_length().unwrap_or(u64::MAX) };
+    let held = work.budget().take(input, LONGEST_WAIT_OF_PLAN).await?;
     let mut received = Received::read(&mut form, &work, &metrics).await?;
-    received.memory = Some(memory);
-    let resources = Resources::none(&work, Work::LONGEST_WAIT_OF_PLAN);
-    let bytes = received.bytes_to_answer(&resources);
-    let budget = work.budget().clone();
-    let answer = move |memory, cancelled: &CancelFlag| received.answer(resources.with(memory), &budget, cancelled);
-    work.run_with_memory(work.budget().open(), bytes, Work::LONGEST_WAIT_OF_PLAN, answer).await?
-}
-
-/// Reserves the memory for a form of `length` bytes; without a length, for the largest. Waits for its turn.
-///
-/// A form takes at most some 115 MB for the facets that are kept, up to two bytes for each of its own; and 192 MB for
-/// vertices, up to three bytes for each of its own (`v 0 0 0` has 8 bytes), or 250 MB for a 3MF file and its meshes. Most
-/// forms take far less: half of these is reserved.
-async fn reserve(work: &Work, length: Option<u64>) -> Result<Reservation, Problem> {
-    const MOST_OF_FACETS: u64 = 56 << 20;
-    const MOST_OF_VERTICES: u64 = 128 << 20;
-    let length = length.unwrap_or(u64::MAX);
-    let bytes = length.min(MOST_OF_FACETS) + length.saturating_mul(2).min(MOST_OF_VERTICES);
-    let bytes = bytes.min(work.budget().largest() / 2);
-    let mut memory = work.budget().open_for_input();
-    work.budget().queue_input().grow(&mut memory, bytes, Work::LONGEST_WAIT_OF_PLAN).await?;
-    Ok(memory)
+    received.held = Some(held);
+    let job = received.job(work.threads());
+    work.answer(job, move |cancelled| received.answer(cancelled)).await
 }
 
 /// The contents of the form.
@@ -106,7 +85,7 @@ struct Received {
     /// Faults of the form itself.
     faults: Vec<Fault>,
     /// The memory of the form, until the surface is prepared for the plan.
-    memory: Option<Reservation>,
+    held: Option<Held>,
 }
 
 impl Received {
@@ -137,17 +116,13 @@ impl Received {
         Ok(())
     }
 
-    /// The memory in bytes to prepare the facets and to rank with plans of the usual size.
-    fn bytes_to_answer(&self, resources: &Resources) -> u64 {
-        /// The fewest bytes of a candidate in JSON; `{"type":"ball_end","diameter_mm":6}` has more.
-        const SHORTEST_CANDIDATE: usize = 24;
-        let Some(Ok(surface)) = &self.surface else { return 0 };
-        let mesh = &surface.surface.mesh;
-        let stated = self.parameters.as_ref().map_or(0, |parameters| parameters.len() / SHORTEST_CANDIDATE);
-        let candidates = if self.libraries.is_empty() { stated.min(MOST_CUTTERS) } else { MOST_CUTTERS };
-        // Memory for the finer rasters of smaller cutters is added when these are known.
-        let size = RankingSize { facets: mesh.size().facets, candidates, diameters: COARSE_DIAMETERS };
-        resources.least(mesh.size(), size).max(bytes_of_machined_surface(mesh))
+    /// The plan on the surface. Cutters in parameters take more than 24 bytes each; libraries may have the most.
+    fn job(&self, threads: usize) -> Job {
+        let facets =
+            self.surface.as_ref().and_then(|surface| surface.as_ref().ok()).map_or(0, |sourced| sourced.surface.mesh.size().facets);
+        let stated = self.parameters.as_ref().map_or(0, |parameters| parameters.len() / 24);
+        let cutters = if self.libraries.is_empty() { stated.min(MOST_CUTTERS) } else { MOST_CUTTERS };
+        Job::Plan { json: 0, facets, cutters, threads }
     }
 
     fn refuse_part(&mut self, name: Option<&str>) {
@@ -164,8 +139,7 @@ impl Received {
         self.faults.push(fault);
     }
 
-    fn answer(mut self, resources: Resources, budget: &MemoryBudget, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
-        self.memory.iter_mut().for_each(Reservation::begin_work);
+    fn answer(mut self, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
         let Some(parameters) = self.parameters.take() else {
             let mut faults = Faults::default();
             let _ = (self.surface(&mut faults), self.libraries.check(&mut faults));
@@ -173,7 +147,7 @@ impl Received {
             faults.add(&path, RequestFault::MissingField, "the part is missing: the cutters and the machine, as JSON");
             return Err(Problem::faulty_request(faults));
         };
-        let task = read_text(&parameters, budget, cancelled, |object, faults| {
+        let task = read_text(&parameters, |object, faults| {
             let libraries = std::mem::take(&mut self.libraries);
             let warnings: Vec<_> = libraries.warnings().collect();
             let parameters = Parameters::read(object, libraries, faults);
@@ -182,8 +156,8 @@ impl Received {
             task.warnings.extend(warnings);
             Ok(task)
         })?;
-        drop(self.memory.take());
-        answer_to(task, resources, cancelled)
+        drop(self.held.take());
+        answer_to(task, cancelled)
     }
 
     /// The surface, with the faults of the form and the file recorded.

@@ -1,10 +1,9 @@
 //! A received surface with its format, its unit, and the warnings of its reader.
 
 use super::Warning;
-use super::unit::UNIT;
+use super::unit_member::UNIT;
 use crate::http::codes::{FileFault, RequestFault, WarningCode, same_names};
-use crate::http::reading::{Faulted, Faults};
-use crate::json_text::JsonPath;
+use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::surface::read::{Format, Notes, Summary};
 use crate::surface::{Basis, ReceivedSurface, Shape, Unit};
 use serde::Serialize;

@@ -37,7 +37,7 @@ fn deviations(drop: &DropCutter, profile: &Profile, tips: &[Tip]) -> [f64; 2] {
     for ends in tips.windows(2) {
         let (a, b) = (ends[0].vector(), ends[1].vector());
         let length = (b - a).xy().norm();
-        let parts = (length / 0.003).ceil().max(1.0);
+        let parts = (length / 0.008).ceil().max(1.0);
         let mut part = 0.5;
         while part < parts {
             let at = a + (b - a) * (part / parts);
@@ -91,6 +91,34 @@ fn chords_over_ridges_valleys_and_walls_keep_the_tolerance() {
     let drop = extruded(&outline);
     check(&drop, [-20.0, 0.0], [20.0, 0.0]);
     check(&drop, [19.0, -7.3], [-19.0, 11.1]);
+}
+
+/// A frustum on the floor: its top turned by `angle`, its sides out of plumb by `taper`.
+fn frustum([x, y]: [f64; 2], [a, b]: [f64; 2], top: f64, angle: f64, taper: f64) -> Vec<[[f64; 3]; 4]> {
+    let corner = |k: usize, wider: f64, z: f64| {
+        let (u, v) = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(i, j)| (i * (a + wider), j * (b + wider)))[k % 4];
+        [x + u * angle.cos() - v * angle.sin(), y + u * angle.sin() + v * angle.cos(), z]
+    };
+    let side = |k| [corner(k, taper, 0.0), corner(k + 1, taper, 0.0), corner(k + 1, 0.0, top), corner(k, 0.0, top)];
+    let mut faces: Vec<_> = (0..4).map(side).collect();
+    faces.push([0, 1, 2, 3].map(|k| corner(k, 0.0, top)));
+    faces
+}
+
+#[test]
+fn chords_over_blocks_and_frustums_keep_the_tolerance() {
+    for part in 0..6 {
+        let mut faces = vec![[[-40.0, -40.0, 0.0], [40.0, -40.0, 0.0], [40.0, 40.0, 0.0], [-40.0, 40.0, 0.0]]];
+        for block in 0..5 {
+            // Sines of multiples of the golden ratio's fraction are as good as random numbers, and the same everywhere.
+            let value = |which: i32| (f64::from(100 * part + 10 * block + which) * 0.618_034 * 7.0).sin();
+            let half = [0, 1].map(|which| 2.1 + 1.9 * value(2 + which));
+            let taper = if block % 2 == 0 { 0.0 } else { 1.5 + 1.5 * value(6) };
+            faces.extend(frustum([12.0 * value(0), 12.0 * value(1)], half, 3.0 + 2.9 * value(4), 3.0 * value(5), taper));
+        }
+        check(&quads(&faces), [-9.0, -15.0], [-6.0, 15.0]);
+        check(&quads(&faces), [14.0, -3.0], [-15.0, 4.0]);
+    }
 }
 
 #[test]

@@ -73,6 +73,14 @@ pub struct CandidatePlan {
     pub(super) plan: Option<(MilledPlan, Prepared)>,
 }
 
+impl CandidatePlan {
+    /// The number of points of its path; 0 for a plan that was estimated, or that is not the fastest.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.plan.as_ref().map_or(0, |(plan, _)| plan.tour.points.len())
+    }
+}
+
 /// The figures of a milled plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MilledFigures {

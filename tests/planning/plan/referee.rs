@@ -96,7 +96,10 @@ fn can_reach(points: &Points, cutter: Torus, place: [f64; 3], normal: [f64; 3]) 
     }
     // Under the flat of a cutter a level place is touched from every axis within it.
     let around = (0..4).flat_map(|ring| (0..16).map(move |step| (f64::from(ring) / 3.0, std::f64::consts::TAU * f64::from(step) / 16.0)));
-    horizontal * core < 0.02 && around.map(|(share, turn)| tip([share * core * turn.cos(), share * core * turn.sin()])).any(|tip| points.clearance(cutter, tip) >= -STANDS_INTO)
+    horizontal * core < 0.02
+        && around
+            .map(|(share, turn)| tip([share * core * turn.cos(), share * core * turn.sin()]))
+            .any(|tip| points.clearance(cutter, tip) >= -STANDS_INTO)
 }
 
 /// What a path leaves, and what its plan states.
@@ -184,7 +187,8 @@ fn verdict(facets: &[Facet], cutter: Cutter, settings: &PlanSettings) -> Option<
     let path = passes(&part, plan, &candidate, &settings, &|| false)?;
     let solid = Torus { outer: cutter.outer_radius().mm(), corner: cutter.corner_radius().mm() };
     let [cuts, others] = [true, false].map(|is_cut| Swept::new(solid, moves_of(&path, is_cut)));
-    let links = Swept::new(solid, path.points.windows(2).filter(|pair| pair[1].kind == MoveKind::Link).map(|pair| [pair[0].tip, pair[1].tip]));
+    let links =
+        Swept::new(solid, path.points.windows(2).filter(|pair| pair[1].kind == MoveKind::Link).map(|pair| [pair[0].tip, pair[1].tip]));
     let points = Points::of(facets);
     let places = drawn(facets);
     let cap = 5.0 * TOLERANCE;

@@ -21,7 +21,7 @@ use crate::http::problem::Problem;
 use crate::http::routes::RouteClass;
 use crate::settings::Settings;
 use gzip::{decompressed, is_gzip};
-use limit::{LimitedBody, too_large};
+use limit::{limited, too_large};
 pub(super) use progress::{BodyProgress, RecordedBody};
 
 /// How many times the longest pause a body's arrival may take in all: a trickle does not hold a connection for ever.
@@ -64,7 +64,7 @@ impl BodyRules {
         }
         let pause = self.client_timeout;
         let timed = request.map(|body| Body::new(DeadlineBody::new(MAX_PAUSES * pause, TimeoutBody::new(pause, body))));
-        decompressed(timed).map(|body| Body::new(LimitedBody::new(body, self.max_bytes, progress)))
+        decompressed(timed).map(|body| limited(body, self.max_bytes, progress))
     }
 }
 

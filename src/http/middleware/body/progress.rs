@@ -13,7 +13,6 @@ use http_body::{Frame, SizeHint};
 use tokio::time::Instant;
 
 use crate::http::problem::Problem;
-use crate::memory_budget::MemoryBudget;
 
 /// The progress of one request's body. The outermost layer adds it to the request's extensions.
 #[derive(Debug)]
@@ -26,20 +25,17 @@ pub(in super::super) struct BodyProgress {
     /// Whether a part of the body is still unread.
     is_unread: AtomicBool,
     fault: OnceLock<Problem>,
-    /// The budget in which the body's bytes are reserved while they are in memory.
-    budget: MemoryBudget,
 }
 
 impl BodyProgress {
     /// The record of a request whose body has not been read yet.
-    pub(in super::super) fn begin(is_unread: bool, budget: MemoryBudget) -> Self {
+    pub(in super::super) fn begin(is_unread: bool) -> Self {
         Self {
             began: Instant::now(),
             wire_bytes: AtomicU64::new(0),
             last_byte_ms: AtomicU64::new(0),
             is_unread: AtomicBool::new(is_unread),
             fault: OnceLock::new(),
-            budget,
         }
     }
 
@@ -55,10 +51,6 @@ impl BodyProgress {
         let elapsed = u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.last_byte_ms.store(elapsed, Ordering::Relaxed);
         self.wire_bytes.fetch_add(bytes, Ordering::Relaxed);
-    }
-
-    pub(in super::super) fn budget(&self) -> &MemoryBudget {
-        &self.budget
     }
 
     pub(in super::super) fn wire_bytes(&self) -> u64 {
