@@ -105,7 +105,7 @@ pub(crate) fn relief() -> Vec<Facet> {
     let rows: Vec<Vec<f64>> = (0..10)
         .map(|i: u32| {
             let raised = |j: u32| match (i, j) {
-                (2, 2..8) | (3..5, 7) | (6..8, 2) | (7, 3..6) => 1.0,
+                (2, 2..=7) | (3..=4, 7) | (6, 2) | (7, 2..=5) => 1.0,
                 _ => 0.0,
             };
             (0..10).map(raised).collect()
