@@ -25,7 +25,8 @@ fn assert_finite(ranking: &Ranking) {
 /// The number of plans; all of their figures are checked.
 fn plans_on(mesh: &Mesh) -> usize {
     let workpiece = machined(mesh);
-    let settings = PlanSettings { directions: Directions::Only(vec![degrees(0.0), degrees(40.0)]), ..settings(Model::Envelope) };
+    let directions = Directions::Only(vec![degrees(0.0), degrees(40.0)]);
+    let settings = PlanSettings { directions, max_uncut_share: 1.0, ..settings(Model::Envelope) };
     let ranking = ranked_on(&workpiece, &published_cutters(), &settings);
     assert_finite(&ranking);
     ranking.plans.len()
