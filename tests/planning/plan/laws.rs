@@ -63,8 +63,8 @@ fn turning_the_part_turns_the_directions() {
             let other = seconds(&turned, cutter, &in_direction(Model::Envelope, direction + 30.0));
             println!("{direction} deg: {one:.3} s, turned {other:.3} s");
             // The places on which a plan is judged are drawn anew for the turned part, and move its lines: a pass more or
-            // less is 1 in 100.
-            assert!((other / one - 1.0).abs() < 0.01, "{direction} deg: {one} s, turned {other} s");
+            // less in each half is 2 in 100.
+            assert!((other / one - 1.0).abs() < 0.02, "{direction} deg: {one} s, turned {other} s");
         }
     }
 }
@@ -115,10 +115,11 @@ fn two_pieces_take_the_sum_of_their_runs_and_a_lift() {
         let (tour, of_one) = (milled(&plan).tour, milled(&alone).tour);
         println!("{shift:?}: {tour:?}, alone {of_one:?}");
         assert!(tour.lifts >= 1 && tour.lifts <= 2 * of_one.lifts + 3 && tour.links == tour.runs - 1, "{tour:?}");
-        // Each piece is judged on half as many places, so that a few of the worst are missed and lines are up to a few per
-        // cent wider.
-        approx::assert_relative_eq!(tour.run_length, 2.0 * of_one.run_length, max_relative = 0.03);
-        approx::assert_relative_eq!(plan.time.seconds(), 2.0 * alone.time.seconds(), max_relative = 0.03);
+        // Each piece is judged on half as many places. A strip is spaced by the worst of its about 200 places: of half as
+        // many it is lower by as much as heights vary between the highest hundredth and two hundredths of a strip, a few per
+        // cent of the spacing on facets of 1.4 mm.
+        approx::assert_relative_eq!(tour.run_length, 2.0 * of_one.run_length, max_relative = 0.05);
+        approx::assert_relative_eq!(plan.time.seconds(), 2.0 * alone.time.seconds(), max_relative = 0.05);
     }
 }
 
