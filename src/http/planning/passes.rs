@@ -23,7 +23,8 @@ answer! {
         tip_mm: Vec<[f64; 3]> = column(&passes.points, |point| point.tip),
         /// The point at which the cutter touches what is machined; null on links, on rapid moves, over gaps and beyond borders.
         contact_mm: Vec<Option<[f64; 3]>> = cut_column(&passes.points, |cut| Some(cut.contact)),
-        /// The unit normal of the surface at the contact; at an edge one between those beside it. Null without a contact.
+        /// The unit normal of the facet that is finished, to which the step-over, the scallop height and the curvature belong. Null
+        /// without a contact.
         normal: Vec<Option<[f64; 3]>> = cut_column(&passes.points, |cut| Some(cut.normal)),
         /// The step-over along the surface to the farther of the neighbouring passes; null without a contact.
         step_over_mm: Vec<Option<f64>> = cut_column(&passes.points, |cut| Some(cut.step_over.mm())),

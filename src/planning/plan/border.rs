@@ -105,8 +105,8 @@ impl Foot {
             .is_some_and(|touch| touch.height > tip[2] + 2.0 * chord_tolerance);
         let touch = workpiece.drop.drop(&prepared.profile, tip[0], tip[1], None);
         let target = touch.and_then(|touch| target_under(workpiece, prepared, [tip[0], tip[1]], &touch, 2.0 * chord_tolerance));
-        let (contact, normal) = touch.map_or((tip, [0.0, 0.0, 1.0]), |touch| (touch.contact.into(), touch.normal.into()));
-        self.tips.push(RunTip { tip, target, contact, normal });
+        let contact = touch.map_or(tip, |touch| touch.contact.into());
+        self.tips.push(RunTip { tip, target, contact });
         self.at_wall.push(rises);
     }
 

@@ -32,7 +32,7 @@ pub struct PassPoint {
 pub struct CutPoint {
     /// The contact, in mm.
     pub contact: [f64; 3],
-    /// The unit normal of the surface.
+    /// The unit normal of the facet that is finished, to which step-over, height and curvature belong.
     pub normal: [f64; 3],
     /// The step-over along the surface to the farther of the neighbouring lines.
     pub step_over: Length,
@@ -78,7 +78,8 @@ pub fn passes(
             let (cos_alpha, _) = tangent.alpha(heading.along);
             let step_over = Length::computed(step_over_xy / tangent.ratio_squared(cos_alpha).sqrt());
             let (curvature, scallop_height) = height_at(workpiece, target, &heading, candidate, settings, step_over, feed_per_tooth);
-            Some(CutPoint { contact: tip.contact, normal: tip.normal, step_over, scallop_height, curvature })
+            let normal = Vector3::from(workpiece.targets[target].normal).normalize().into();
+            Some(CutPoint { contact: tip.contact, normal, step_over, scallop_height, curvature })
         });
         PassPoint { tip: point.tip, kind: point.kind, cut, feed_per_tooth, feed_rate: Speed::computed(point.rate) }
     };

@@ -14,7 +14,6 @@ pub(super) struct RunTip {
     pub(super) tip: [f64; 3],
     pub(super) target: Option<usize>,
     pub(super) contact: [f64; 3],
-    pub(super) normal: [f64; 3],
 }
 
 /// A run: tips from one end to the other along a line, or along a border.
@@ -265,8 +264,8 @@ impl RunMaker<'_> {
             let is_level = |end: usize| flat > 0.0 && tips[end].touch.is_some_and(|touch| touch.normal.z > LEVEL);
             let open = [falls(first, first.checked_sub(1)) && !is_level(first), falls(last, Some(last + 1)) && !is_level(last)];
             let tips = tips[first..=last].iter().map(|tip| {
-                let (contact, normal) = tip.touch.map_or(([0.0; 3], [0.0, 0.0, 1.0]), |touch| (touch.contact.into(), touch.normal.into()));
-                RunTip { tip: point(tip), target: tip.target, contact, normal }
+                let contact = tip.touch.map_or([0.0; 3], |touch| touch.contact.into());
+                RunTip { tip: point(tip), target: tip.target, contact }
             });
             Run { line: Some(line), tips: tips.collect(), open }
         };
