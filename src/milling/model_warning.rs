@@ -1,7 +1,7 @@
 //! Model warnings: assumptions of a model that are near their limits at a pass.
 
 use super::gouging::NEAR_GOUGING;
-use super::{CutterKind, EvaluatedPass, Model, Pass};
+use super::{EvaluatedPass, Model, Pass};
 use crate::quantity::Length;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
@@ -32,7 +32,7 @@ pub enum ModelWarning {
         /// The cutter's diameter.
         diameter: Length,
     },
-    /// A flat-end cutter's corner leaves sharp marks, and wears.
+    /// The sharp corner of a flat-end cutter or of a profile leaves sharp marks, and wears.
     SharpMarks,
     /// On a curved surface the slope and feed direction change so much from mark to mark that the height is only
     /// approximate. This is so at every slope under 10 deg; if [`EvaluatedPass::largest_turn`] exceeds 0.1; and near
@@ -74,7 +74,7 @@ impl fmt::Display for ModelWarning {
             ),
             Self::EffectiveRadiusBeyondCutter { effective_radius: None, .. } => f.write_str("the effective radius is infinite"),
             Self::SharpMarks => {
-                f.write_str("a flat-end cutter leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
+                f.write_str("a sharp corner leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
             }
             Self::CurvatureApproximate => f.write_str(
                 "the normal of the curved surface turns between the marks by an angle that is not negligible (as at every slope under 10 deg); the height is approximate, and can be exceeded by a few percent",
@@ -111,7 +111,8 @@ impl EvaluatedPass {
             Model::Analytic => self.circle_warnings(step_over, feed_per_tooth),
             Model::Envelope => [None; 4],
         };
-        let sharp = (pass.cutter.kind() == CutterKind::FlatEnd).then_some(ModelWarning::SharpMarks);
+        let is_sharp = pass.cutter.profile().arc_at(pass.contact.slope().radians()).radius == 0.0;
+        let sharp = is_sharp.then_some(ModelWarning::SharpMarks);
         let counts = || {
             pass.contact.slope().degrees() < STEEP_ENOUGH_DEG
                 || self.largest_turn(step_over, feed_per_tooth) > SMALL_TURN

@@ -33,6 +33,11 @@ impl ProfileArc {
     #[must_use]
     pub fn point(&self, phi: f64) -> (f64, f64) {
         let (sin, cos) = phi.sin_cos();
+        self.point_at(sin, cos)
+    }
+
+    /// [`ProfileArc::point`] by sine and cosine of the angle.
+    pub(super) fn point_at(&self, sin: f64, cos: f64) -> (f64, f64) {
         (self.centre_offset + self.radius * sin, self.centre_height - self.radius * cos)
     }
 }
@@ -168,6 +173,26 @@ impl Profile {
     #[must_use]
     pub fn arcs(&self) -> &[ProfileArc] {
         &self.arcs[..self.count]
+    }
+
+    /// The arcs without the corner that closes a cone at the shank: what cuts.
+    pub(super) fn cutting_arcs(&self) -> &[ProfileArc] {
+        let count = self.count - usize::from(self.count > 1 && self.arcs[self.count - 1].radius == 0.0);
+        &self.arcs[..count]
+    }
+
+    /// The steepest slope in rad that the profile cuts: pi/2, or the slope of the cone at its end.
+    #[must_use]
+    pub fn steepest_cut(&self) -> f64 {
+        if self.cutting_arcs().len() < self.count { self.arcs[self.count - 1].from } else { FRAC_PI_2 }
+    }
+
+    /// Whether a straight piece, a flat or a cone, has the normal phi in rad.
+    #[must_use]
+    pub fn is_straight_at(&self, phi: f64) -> bool {
+        let has_flat = phi == 0.0 && self.arcs[0].point(0.0).0 > 0.0;
+        let joins = |pair: &[ProfileArc]| pair[0].to == phi && pair[1].from == phi && pair[1].point(phi).0 - pair[0].point(phi).0 > JOIN;
+        has_flat || self.arcs().windows(2).any(joins)
     }
 
     /// R, the largest radius in mm.

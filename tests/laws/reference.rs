@@ -28,7 +28,7 @@ fn pass(contact: &Value, surface: SurfaceCurvature, runout: Runout) -> Pass {
 fn heights(contact: &Value, pass: Pass) -> [f64; 2] {
     let envelope = Envelope::new(pass).unwrap();
     let (step_over, feed) = (mm(number(contact, "step_over_mm")), Some(mm(number(contact, "feed_per_tooth_mm"))));
-    let (found, second_order) = (envelope.scallop_height(step_over, feed), envelope.second_order_scallop_height(step_over, feed));
+    let (found, second_order) = (envelope.scallop_height(step_over, feed), envelope.without_turns().scallop_height(step_over, feed));
     [found, second_order].map(|height| height.unwrap().total().mm())
 }
 

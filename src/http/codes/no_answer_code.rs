@@ -9,6 +9,8 @@ codes! {
     /// A reason why a contact or a surface has no answer.
     NoAnswerCode: UNPROCESSABLE_ENTITY {
         FlatFloor = "flat-floor": "The analytic model has no answer on a floor", "Use model \"envelope\", or a ball-end cutter.";
+        StraightFlank = "straight-flank": "The analytic model has no answer at the slope of the cutter's cone", "Use model \"envelope\".";
+        TooSteep = "too-steep": "The slope is steeper than the cutter's profile", "Use a cutter whose profile reaches the slope, or a tilted tool.";
         PassesDoNotOverlap = "passes-do-not-overlap": "The passes do not overlap", "Reduce the step-over to at most largest_step_over_mm.";
         MarksDoNotOverlap = "marks-do-not-overlap": "The tooth marks do not overlap", "Reduce the feed per tooth.";
         Gouging = "gouging": "The cutter gouges", "Use a smaller cutter, another corner radius, or a tilted tool; smallest_radius_mm, if present, is the smallest concave radius that the cutter fits.";
@@ -63,6 +65,8 @@ impl NoAnswerCode {
             Self::Gouging => (&[], &[SMALLEST_RADIUS]),
             Self::ToleranceExceededByFeed => (&[FEED_HEIGHT], &[]),
             Self::FlatFloor
+            | Self::StraightFlank
+            | Self::TooSteep
             | Self::MarksDoNotOverlap
             | Self::SharpEdge
             | Self::PassesCoincideFromAbove
@@ -75,6 +79,8 @@ impl NoAnswerCode {
         let one = |figure, length: Length| vec![(figure, length.mm())];
         match cause {
             NoAnswer::FlatFloor => (Self::FlatFloor, Vec::new()),
+            NoAnswer::StraightFlank => (Self::StraightFlank, Vec::new()),
+            NoAnswer::TooSteep { steepest: _ } => (Self::TooSteep, Vec::new()),
             NoAnswer::PassesDoNotOverlap { largest_step_over } => (Self::PassesDoNotOverlap, one(LARGEST_STEP_OVER, largest_step_over)),
             NoAnswer::MarksDoNotOverlap { largest_mark_spacing: _ } => (Self::MarksDoNotOverlap, Vec::new()),
             NoAnswer::Gouges { smallest_radius } => {
@@ -99,12 +105,15 @@ impl NoAnswerCode {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::Angle;
 
     #[test]
     fn every_cause_carries_the_figures_that_its_code_documents() {
         let length = Length::from_mm(1.0).unwrap();
         for cause in [
             NoAnswer::FlatFloor,
+            NoAnswer::StraightFlank,
+            NoAnswer::TooSteep { steepest: Angle::RIGHT },
             NoAnswer::PassesDoNotOverlap { largest_step_over: length },
             NoAnswer::MarksDoNotOverlap { largest_mark_spacing: length },
             NoAnswer::Gouges { smallest_radius: Some(length) },

@@ -9,85 +9,68 @@
 //! cutter's circumference; the cutter's side is as long as the wall that it passes; passes are parallel; the surface is
 //! of the second order, so that changes of its curvature are left out.
 //!
-//! - `mod` (this file): the height to second order, by the fastest search that has it; `inverses`: largest step-over and
-//!   feed to second order; `length_search`: lengths by their heights
-//! - `closed_form`: plane floors and walls, ball-end cutters, sharp edges on planes
-//! - `newton`: the fast search on all unknowns at once, with a proof of the result; `proved`: the same, with `local` where
-//!   it does not converge; `clearing` and `runout`: with runout; `sharp_edge`: sharp edges on curved surfaces
-//! - `nested` and `section`: the general searches; `chord`: the search along the feed, which the other searches use
-//! - `concave`, `outline` and `local`: surfaces on which the section need not be convex
-//! - `body`: the cutter's solid over the surface
-//! - `turning_marks`: marks that have normals of their own on a curved surface; `turned_ridge`: the ridge between them;
-//!   `nearby`: the fast search for it where turns are small; `third_order`: the answers corrected by it
+//! - `body`: the cutter, placed at a mark by the surface's own normal there, and its distance from a point;
+//! - `marks`: which pairs of marks decide, with and without runout;
+//! - `ridge`: the fast search, Newton's method on all unknowns at once;
+//! - `search`: the sure search, nested and bracketed, wherever the fast one does not prove its result;
+//! - `mod` (this file): heights and both inverses.
 
 mod body;
-mod chord;
-mod clearing;
-mod closed_form;
-mod concave;
-mod inverses;
-mod length_search;
-mod local;
-mod nearby;
-mod nested;
-mod newton;
-mod outline;
-mod proved;
-mod runout;
-mod section;
-mod sharp_edge;
-mod smooth_bound;
-mod third_order;
-mod turned_pair;
-mod turned_ridge;
-mod turning_marks;
+mod marks;
+mod ridge;
+mod search;
 
 use super::gouging;
-use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
+use super::{Contact, Cutter, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::{Direction, Length};
 use body::Body;
-use clearing::Clearing;
-use newton::{Lengths, Ridge, Sought};
-use section::{Pattern, Section};
+use marks::Pattern;
+use search::{Lengths, Outcome, Places, Search, Sought};
 
 /// The share by which the largest length that is reported may be smaller than the largest that has a height on a curved
 /// surface.
 const MET: f64 = 0.01;
 
+/// A height under this, in mm, is 0: the place lies on the cutter's flat or side.
+const NOTHING: f64 = 1e-30;
+
 /// The envelope model at one contact. It covers every slope from 0 to 90 deg and every cutter.
 ///
-/// **Heights.** h is the lowest height at which the cutter's section parallel to the surface contains two chords along
-/// the feed, each as long as the distance of the tooth marks, and the step-over s apart. h1 is the same with chords of
-/// length 0, and the feed's part is h - h1. Both grow with s and with the feed.
+/// **Heights.** The stated contact is the place where the ridge is left. A mark leaves the height at which its body is
+/// entered along the stated normal there; a pass leaves at most the higher of what two neighbouring marks leave, in the worst
+/// phase of its teeth, and the lowest over where the pair lies; two passes s apart leave at most the lower of what each
+/// leaves, wherever they lie. h is the greatest of these, h1 is the same without marks, and the feed's part is h - h1. Both
+/// grow with s and with the feed by definition.
 ///
 /// **Overlap.** Seen from above, a pass clears a strip 2R wide, and the marks of the teeth are circles of radius R.
 /// With d the passes' distance and f the marks' distance seen from above, material stays uncut from top to bottom
 /// unless d^2 + f^2 <= 4 R^2; that is an error. For a feed along a wall, d is 0 for every s.
 ///
-/// **Curved surfaces.** Heights are measured from the surface 1/2 u'Ku below the tangent plane. The relative curvature
-/// of cutter and surface is then exact. To second order all marks have the normal of the stated contact; the answers
-/// place each mark by its own.
+/// **Curved surfaces.** Heights are measured from the surface 1/2 u'Ku below the tangent plane, and each mark is placed by
+/// the surface's normal at its own contact.
 ///
 /// **Runout.** Heights are measured from the surface that the deepest tooth touches, whose radius is R + |rr|. The
 /// shallowest tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep, and its mark is displaced along the slope, by up to
-/// |rr| cos(S) downwards and |ar| sin(S) upwards. A pass clears the offsets that a deep and a shallow mark clear in the worse
-/// order, and those that deep marks alone, z f_z apart, clear. A deep and a shallow mark are one feed per tooth and the
-/// displacement along the feed apart.
+/// |rr| cos(S) downwards and |ar| sin(S) upwards. A pass leaves the lower of what a deep and a shallow mark leave in the worse
+/// order, one feed per tooth and the displacement along the feed apart, and what deep marks alone, z f_z apart, leave.
 #[derive(Debug, Clone, Copy)]
 pub struct Envelope {
     pass: Pass,
-    cutter: Cutter,
+    outer_radius: f64,
     body: Body,
+    pattern: Pattern,
     climb: Direction,
-    /// delta, how much less deep the shallowest tooth reaches than the deepest.
-    drop: f64,
-    /// By how much runout lengthens the distance of neighbouring marks along the feed.
-    displacement: f64,
+    /// lambda.
     relative_curvature: f64,
-    /// The curvature of the groove relative to the surface, for first guesses.
-    groove_curvature: f64,
-    /// Whether the turning of the surface's normal changes the marks.
-    has_third_order: bool,
+    /// The cutter's curvature relative to the surface along the feed, across it and the twist, for first guesses.
+    curvature: [f64; 3],
+}
+
+/// A height and the ridge that has it.
+#[derive(Debug, Clone, Copy)]
+struct Height {
+    level: f64,
+    places: Places,
 }
 
 impl Envelope {
@@ -102,27 +85,28 @@ impl Envelope {
     /// The same; `None` if the cutter does not fit.
     pub(in crate::milling) fn fitting(pass: Pass) -> Option<Self> {
         let relative_curvature = gouging::relative_curvature(&pass)?;
-        let cutter = pass.cutter.widened(pass.runout.radial());
-        let body = Body::new(cutter, pass.contact, pass.surface);
-        let drop = pass.runout.depth(pass.contact.slope());
-        let displacement = pass.runout.displacement(pass.contact, pass.has_shallow_pairs());
-        let groove_curvature = body.relative_radii().across.recip();
-        if groove_curvature.is_nan() || groove_curvature <= 0.0 {
+        let cutter: Cutter = pass.cutter.widened(pass.runout.radial());
+        let body = Body::new(&cutter.profile(), pass.contact, pass.surface);
+        let [along, across, twist] = body.relative_curvature(pass.contact);
+        if !pass.surface.is_plane() && !(across * along > twist * twist) {
             // The relative curvature is a rounding error, and the cutter's radius that of the surface.
             return None;
         }
-        let has_third_order = third_order::has_third_order(&pass, &body);
         Some(Self {
             pass,
-            cutter,
+            outer_radius: cutter.outer_radius().mm(),
             body,
+            pattern: Pattern::new(&pass),
             climb: pass.contact.climb(),
-            drop,
-            displacement,
             relative_curvature,
-            groove_curvature,
-            has_third_order,
+            curvature: [along, across, twist],
         })
+    }
+
+    /// The same to second order: all marks have the stated normal. An independent calculation needs no more of the surface.
+    #[must_use]
+    pub fn without_turns(self) -> Self {
+        Self { body: self.body.without_turns(), ..self }
     }
 
     pub(super) fn pass(&self) -> &Pass {
@@ -134,107 +118,192 @@ impl Envelope {
         self.relative_curvature
     }
 
-    /// Whether the section at the height p is known to be convex.
-    fn is_convex_up_to(&self, p: f64) -> bool {
-        !self.body.is_concave() || self.body.is_convex_up_to(p)
-    }
-
-    /// The number of teeth.
-    fn teeth(&self) -> f64 {
-        self.pass.teeth.map_or(2.0, |teeth| f64::from(teeth.get()))
-    }
-
-    /// The largest distance of neighbouring marks at a feed per tooth; at most that of the deepest tooth's own marks.
-    fn mark_spacing(&self, feed_per_tooth: f64) -> f64 {
-        (feed_per_tooth + self.displacement).min(self.teeth() * feed_per_tooth).max(feed_per_tooth)
-    }
-
-    /// The feed per tooth of a distance of neighbouring marks, the inverse of [`Envelope::mark_spacing`].
-    fn feed_per_tooth(&self, mark_spacing: f64) -> f64 {
-        (mark_spacing - self.displacement).max(mark_spacing / self.teeth())
-    }
-
-    /// The marks at a distance of neighbouring ones.
-    fn pattern(&self, spacing: f64) -> Pattern {
-        let deep_spacing = self.teeth() * self.feed_per_tooth(spacing);
-        Pattern { spacing, deep_spacing, drop: self.drop, shallow_pairs: self.pass.has_shallow_pairs() }
-    }
-
-    /// The marks of a feed per tooth; none without a feed.
-    fn pattern_of(&self, feed_per_tooth: Option<Length>) -> Pattern {
-        feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(self.mark_spacing(feed.mm())))
-    }
-
-    /// The ridge by the fast search; `None` if its result is not proved, or cannot be because of a sharp edge or a
-    /// wall.
-    fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Ridge> {
-        if self.is_quick(lengths.mark_spacing) { proved::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]) } else { None }
-    }
-
-    /// Whether a sharp edge without marks cuts a concave surface, in which case `sharp_edge` finds the ridge.
-    fn is_sharp_on_concave(&self, mark_spacing: f64) -> bool {
-        mark_spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd && self.body.is_concave()
-    }
-
-    /// Whether the fast search can converge. It cannot on plane floors and walls, where the section's edges are
-    /// straight along the feed, nor for a sharp edge without marks.
-    fn is_quick(&self, mark_spacing: f64) -> bool {
-        let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
-        let is_straight = self.pass.surface.is_plane() && (slope.sin() == 0.0 || slope.cos() == 0.0);
-        !(is_straight || sharp && mark_spacing == 0.0)
-    }
-
-    /// h for passes s apart with a pattern of marks, both in the tangent plane; `None` if there is none, for the reason in
-    /// [`Envelope::no_height`].
-    fn height(&self, s: f64, pattern: Pattern) -> Option<f64> {
-        if self.is_in_reach(s, pattern.spacing) { self.level(s, pattern) } else { None }
-    }
-
-    /// Whether passes s apart with marks f apart overlap seen from above, at a step-over at which grooves can meet.
-    fn is_in_reach(&self, s: f64, f: f64) -> bool {
-        s <= self.largest_step_over(0.0) && self.overlap(s, f)
-    }
-
-    /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the
-    /// limit, up to a few rounding errors.
-    fn overlap(&self, s: f64, f: f64) -> bool {
-        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
-        let diameter = 2.0 * self.cutter.outer_radius().mm() * (1.0 + 16.0 * f64::EPSILON);
-        across * across + along * along <= diameter * diameter
-    }
-
-    /// h for passes and marks that overlap seen from above; `None` if no height clears s, which can happen on a curved
-    /// surface.
-    fn level(&self, s: f64, pattern: Pattern) -> Option<f64> {
-        let f = pattern.spacing;
-        if !pattern.is_even() {
-            let on_floor_or_wall = self.level_on_floor_or_wall(s, &pattern).map(QuickLevel::exact);
-            return self.checked_level(s, pattern, on_floor_or_wall.or_else(|| self.quick_level_with_runout(s, &pattern)));
-        }
-        if self.pass.surface.is_plane()
-            && let Some(closed) = self.closed_form(s, f)
-        {
-            return Some(closed);
-        }
-        let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
-        let quick = if self.is_sharp_on_concave(f) {
-            sharp_edge::level(&self.body, s).map(QuickLevel::exact)
-        } else {
-            self.quickly(lengths, Sought::Level).map(|ridge| QuickLevel::of(&ridge))
-        };
-        self.checked_level(s, pattern, quick)
-    }
-
-    /// The result of a fast search if the section is known to be convex; otherwise h by the search that also checks it.
-    fn checked_level(&self, s: f64, pattern: Pattern, quick: Option<QuickLevel>) -> Option<f64> {
-        match quick {
-            Some(QuickLevel { level, .. }) if self.is_convex_up_to(level) => Some(level),
-            quick => self.searched_level(s, pattern, quick),
-        }
-    }
-
     fn contact(&self) -> Contact {
         self.pass.contact
+    }
+
+    /// h1 and h for a step-over along the surface and a feed per tooth; `None` leaves no marks.
+    ///
+    /// # Errors
+    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
+    pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
+        self.height_above(self.step_over_height(step_over)?, step_over, feed_per_tooth)
+    }
+
+    /// h1.
+    pub(super) fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
+        self.total_height(step_over, None)
+    }
+
+    /// h alone.
+    pub(super) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        Ok(Length::computed(self.ridge(step_over, feed_per_tooth)?.level))
+    }
+
+    /// [`Envelope::scallop_height`] for a step-over that alone leaves `step_over_height`.
+    pub(super) fn height_above(
+        &self,
+        step_over_height: Length,
+        step_over: Length,
+        feed_per_tooth: Option<Length>,
+    ) -> Result<ScallopHeight, NoAnswer> {
+        let total = if feed_per_tooth.is_some() { self.total_height(step_over, feed_per_tooth)? } else { step_over_height };
+        Ok(ScallopHeight::of_total(step_over_height, total))
+    }
+
+    /// The largest feed per tooth that keeps `tolerance` on h at a step-over along the surface.
+    ///
+    /// # Errors
+    /// - [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`];
+    /// - those of the step-over in [`Envelope::scallop_height`].
+    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        self.max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over)
+    }
+
+    /// The same for a step-over that alone leaves `step_over_height`.
+    pub(super) fn max_feed_per_tooth_above(
+        &self,
+        step_over_height: Length,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
+        let (p, s) = (tolerance.mm(), step_over.mm());
+        let used_up = || {
+            let max_step_over = self.max_step_over(tolerance, None)?;
+            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
+        };
+        if step_over_height >= tolerance {
+            return used_up();
+        }
+        let largest = self.pattern.feed_per_tooth(self.largest_spacing(s));
+        if largest < Length::SMALLEST {
+            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest) });
+        }
+        let [along, across, _] = self.groove();
+        // The heights of parabolas add up.
+        let spacing = (8.0 * (p - step_over_height.mm()).max(p * 1e-6).min(p - across * s * s / 8.0).max(p * 1e-6) / along).sqrt();
+        let guess = Lengths { level: p, step_over: s, feed: self.pattern.feed_per_tooth(spacing) };
+        match self.solve(Sought::Feed, guess, largest) {
+            Outcome::At(feed) if feed >= Length::SMALLEST => Ok(Length::computed(feed)),
+            Outcome::Above => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
+            Outcome::At(_) | Outcome::Below => used_up(),
+        }
+    }
+
+    /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
+    ///
+    /// # Errors
+    /// - [`NoAnswer::FeedUsesUpTolerance`] if even passes [`Length::SMALLEST`] apart exceed the tolerance;
+    /// - [`NoAnswer::MarksDoNotOverlap`];
+    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one exceeds the tolerance.
+    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        let (p, feed) = (tolerance.mm(), feed_per_tooth.map_or(0.0, Length::mm));
+        let spacing = self.pattern.spacing(feed);
+        let largest = self.largest_step_over(spacing);
+        if largest < Length::SMALLEST {
+            return Err(self.no_height(Length::SMALLEST, feed));
+        }
+        let [along, across, _] = self.groove();
+        let left = (p - along * spacing * spacing / 8.0).max(p * 1e-6);
+        let guess = Lengths { level: p, step_over: (8.0 * left / across).sqrt().min(largest), feed };
+        match self.solve(Sought::StepOver, guess, largest) {
+            Outcome::At(step_over) if step_over >= Length::SMALLEST => Ok(Length::computed(step_over)),
+            Outcome::Above => Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) }),
+            Outcome::At(_) | Outcome::Below => {
+                let feed_height = self.height(Length::SMALLEST, feed).ok_or_else(|| self.no_height(Length::SMALLEST, feed))?;
+                Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height.level.max(p)) })
+            }
+        }
+    }
+
+    /// How much the surface's normal turns from the stated contact to the marks at the ridge; see
+    /// [`EvaluatedPass::largest_turn`](crate::milling::EvaluatedPass::largest_turn).
+    pub(super) fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
+        if self.pass.surface.is_plane() {
+            return 0.0;
+        }
+        self.ridge(step_over, feed_per_tooth).map_or(f64::INFINITY, |height| {
+            let (s, feed) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
+            let marks = self.pattern.marks(feed);
+            let Places { x, c } = height.places;
+            let turn = |pass: usize, c: f64| {
+                let ends = marks.pairs().iter().zip(x[pass]).flat_map(|(pair, x)| [x, x + pair.distance]);
+                ends.map(move |x| self.body.turn(x, c)).fold(0.0, f64::max)
+            };
+            turn(0, c).max(turn(1, c - s))
+        })
+    }
+
+    fn ridge(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Height, NoAnswer> {
+        let (s, feed) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
+        self.height(s, feed).ok_or_else(|| self.no_height(s, feed))
+    }
+
+    /// h for passes s apart with a feed per tooth; `None` if there is none, for the reason in [`Envelope::no_height`].
+    fn height(&self, s: f64, feed: f64) -> Option<Height> {
+        let spacing = self.pattern.spacing(feed);
+        if !(s <= self.largest_step_over(0.0) && self.overlap(s, spacing)) {
+            return None;
+        }
+        let guess = Lengths { level: self.guess(s, feed), step_over: s, feed };
+        let mut places = self.places(&guess);
+        if let Some(ridge) = self.quickly(Sought::Level, guess) {
+            return Some(Height { level: ridge.lengths.level, places: ridge.places });
+        }
+        match self.search().solve(Sought::Level, guess, NOTHING, Length::LARGEST, &mut places) {
+            Outcome::At(level) => Some(Height { level, places }),
+            Outcome::Below => Some(Height { level: 0.0, places }),
+            Outcome::Above => None,
+        }
+    }
+
+    /// A length at which h is a tolerance.
+    fn solve(&self, sought: Sought, guess: Lengths, largest: f64) -> Outcome {
+        match self.quickly(sought, guess).map(|ridge| ridge.lengths.get(sought)) {
+            Some(length) if length <= largest => Outcome::At(length),
+            _ => self.search().solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess)),
+        }
+    }
+
+    fn search(&self) -> Search<'_> {
+        Search { body: &self.body, pattern: &self.pattern }
+    }
+
+    fn quickly(&self, sought: Sought, guess: Lengths) -> Option<ridge::Ridge> {
+        let stride = guess.step_over + self.pattern.spacing(guess.feed);
+        ridge::solve(&self.body, &self.pattern, stride, sought, guess, self.places(&guess))
+    }
+
+    /// The curvatures of the groove's bottom along the feed, and across it where the marks have moved along; and by how much
+    /// they move.
+    fn groove(&self) -> [f64; 3] {
+        let [along, across, twist] = self.curvature;
+        let along = along.max(1e-9);
+        let lean = twist / along;
+        [along, (across - twist * lean).max(1e-9), lean]
+    }
+
+    /// An approximation of h: the sum of the parabolas' heights, of which each is at most that of a half circle.
+    fn guess(&self, s: f64, feed: f64) -> f64 {
+        let [along, across, _] = self.groove();
+        let spacing = self.pattern.even_spacing(feed, along);
+        let parabola = |curvature: f64, length: f64| length / 4.0 * (curvature * length / 2.0).min(1.0);
+        (parabola(across, s) + parabola(along, spacing)).min(self.outer_radius / 4.0)
+    }
+
+    /// Where marks and passes lie on paraboloids.
+    fn places(&self, lengths: &Lengths) -> Places {
+        let [_, _, lean] = self.groove();
+        let marks = self.pattern.marks(lengths.feed);
+        let half = lengths.step_over / 2.0;
+        let x = [half, -half].map(|c| {
+            let mut x = [0.0; 3];
+            for (x, pair) in x.iter_mut().zip(marks.pairs()) {
+                *x = -lean * c - pair.distance / 2.0;
+            }
+            x
+        });
+        Places { x, c: half }
     }
 
     /// d/s, the ratio of the passes' distance seen from above to that along the surface: cos(S) / cos(climb). Seen from
@@ -244,132 +313,46 @@ impl Envelope {
         if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos().abs() / self.climb.cos() }
     }
 
-    /// An approximation of h, from which a search starts: the parabola of the groove, and along the feed the parabola
-    /// of radius R. Near the floor the groove's parabola is less than h. From below, Newton's steps rise monotonically;
-    /// from far above they would overshoot.
-    fn guess(&self, s: f64, pattern: Pattern) -> f64 {
-        let outer = self.cutter.outer_radius().mm();
-        let f = self.even_spacing(&pattern);
-        // Above the whole cutter there is no section.
-        let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
-        let guess = if self.pass.surface.is_plane() { parabola.min(self.guess_on_flat(s, f)) } else { parabola };
-        guess.min(outer / 4.0)
+    /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the
+    /// limit, up to a few rounding errors.
+    fn overlap(&self, s: f64, f: f64) -> bool {
+        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
+        let diameter = 2.0 * self.outer_radius * (1.0 + 16.0 * f64::EPSILON);
+        across * across + along * along <= diameter * diameter
     }
 
-    /// An approximation of h near a plane floor. There the rectangle between four marks lies on the flat, whose height at
-    /// the furthest corner counts, or beyond it on the corner's round.
-    fn guess_on_flat(&self, s: f64, f: f64) -> f64 {
-        let (slope, theta) = (self.contact().slope(), self.contact().theta());
-        let steep = s * theta.sin().abs() + f * theta.cos().abs() + 0.1 * (s + f);
-        let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
-        slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE))
-    }
-
-    /// An approximation of the distance at which marks of equal depth leave the same height. Circles of radius P, f apart
-    /// and with every second one raised by delta, meet as if they were f + 2 P delta / f apart.
-    fn even_spacing(&self, pattern: &Pattern) -> f64 {
-        if pattern.is_even() {
-            return pattern.spacing;
-        }
-        pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
-    }
-
-    /// A height that clears passes s apart on a plane; infinity on other surfaces, and if passes and marks do not overlap
-    /// seen from above, or if a deep mark meets a shallow one, which is displaced along the slope.
-    ///
-    /// The rectangle between four marks, centred under the cutter's axis and seen from above, lies in the circle of
-    /// radius R. Its corners are in the body if they are not below the upper end of the corner's round, which is r
-    /// cos(S) above the contact. At the height p, a corner a + r sin(S) + c from the contact along the steepest line is
-    /// (p - sin(S) (a + r sin(S) + c)) / cos(S) above it. With the largest c this gives p = r + sin(S) (a + c). A
-    /// shallow mark needs delta more.
-    fn ceiling(&self, s: f64, pattern: &Pattern) -> f64 {
-        let is_mixed = !pattern.is_even() && !pattern.shallow_pairs;
-        if is_mixed || !self.pass.surface.is_plane() || !self.overlap(s, pattern.spacing) {
-            return f64::INFINITY;
-        }
-        let (contact, core) = (self.contact(), self.cutter.core_radius().mm());
-        let (across, along) = (s * self.spacing_ratio(), pattern.spacing * self.climb.cos());
-        let furthest = f64::midpoint(across * contact.alpha().sin().abs(), along * contact.alpha().cos().abs());
-        let drop = if pattern.is_even() { 0.0 } else { pattern.drop };
-        self.cutter.corner_radius().mm() + contact.slope().sin() * (core + furthest) + drop
-    }
-
-    /// h by the general searches, or on a concave surface by the outline, which checks what the fast search found.
-    fn searched_level(&self, s: f64, pattern: Pattern, quick: Option<QuickLevel>) -> Option<f64> {
-        if self.body.is_concave() {
-            return self.level_on_concave(s, pattern, quick);
-        }
-        // Most ridges of a sharp edge without marks lie between points of the edge.
-        let is_sharp = pattern.spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd;
-        let guess = if is_sharp { sharp_edge::level(&self.body, s) } else { None }.unwrap_or_else(|| self.guess(s, pattern));
-        let section = || Section::new(&self.body, pattern, 2.0 * s).level(s, guess, self.ceiling(s, &pattern));
-        let level = self.nested_level(s, &pattern, guess).unwrap_or_else(section);
-        Some(level).filter(|level| *level <= Length::LARGEST)
-    }
-
-    /// The reason why passes s apart with marks f apart have no height: they do not overlap seen from above, or on a curved
+    /// The reason why passes s apart with a feed per tooth have no height: they do not overlap seen from above, or on a curved
     /// surface the grooves or the marks do not meet.
-    fn no_height(&self, s: f64, f: f64) -> NoAnswer {
-        if f == 0.0 || self.height(s, Pattern::even(0.0)).is_none() {
+    fn no_height(&self, s: f64, feed: f64) -> NoAnswer {
+        if feed == 0.0 || self.height(s, 0.0).is_none() {
             // With a feed at which no passes overlap, the feed is the next thing to change.
-            let with_marks = Some(self.largest_met_step_over(f)).filter(|step_over| f > 0.0 && *step_over >= Length::SMALLEST);
+            let with_marks = Some(self.largest_met_step_over(feed)).filter(|step_over| feed > 0.0 && *step_over >= Length::SMALLEST);
             let largest_step_over = with_marks.unwrap_or_else(|| self.largest_met_step_over(0.0));
             return NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(largest_step_over) };
         }
-        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.feed_per_tooth(self.largest_met_spacing(s))) }
+        let largest = self.pattern.feed_per_tooth(self.largest_spacing(s));
+        let met = if self.pass.surface.is_plane() { largest } else { largest_met(largest, |feed| self.height(s, feed).is_some()) };
+        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(met) }
     }
 
-    /// The largest step-over at which passes with marks f apart meet; on a curved surface one that is smaller by at most
+    /// The largest step-over at which passes with a feed per tooth meet; on a curved surface one that is smaller by at most
     /// [`MET`].
-    fn largest_met_step_over(&self, f: f64) -> f64 {
-        let overlapping = self.largest_step_over(f);
-        if self.pass.surface.is_plane() {
-            return overlapping;
-        }
-        let without_marks = Pattern::even(0.0);
-        let pattern = if f == 0.0 { without_marks } else { self.pattern(f) };
-        // An answer has both heights. That without marks can be missing alone, because it is searched in another way.
-        largest_met(overlapping, |s| [pattern, without_marks].into_iter().all(|pattern| self.height(s, pattern).is_some()))
-    }
-
-    /// The same of the distances of marks that meet in passes s apart.
-    fn largest_met_spacing(&self, s: f64) -> f64 {
-        let overlapping = self.largest_spacing(s);
-        if self.pass.surface.is_plane() {
-            return overlapping;
-        }
-        largest_met(overlapping, |spacing| self.height(s, self.pattern(spacing)).is_some())
+    fn largest_met_step_over(&self, feed: f64) -> f64 {
+        let overlapping = self.largest_step_over(self.pattern.spacing(feed));
+        if self.pass.surface.is_plane() { overlapping } else { largest_met(overlapping, |s| self.height(s, feed).is_some()) }
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved
     /// surface. It is reduced by a rounding error, so that it is itself in the domain, and is at most the largest
     /// accepted length.
     fn largest_step_over(&self, f: f64) -> f64 {
-        let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
+        let on_plane = largest_leg(2.0 * self.outer_radius, f * self.climb.cos(), self.spacing_ratio());
         on_plane.min(2.0 / self.pass.surface.across_per_mm().abs())
     }
 
     /// The distance up to which marks overlap, seen from above, in passes s apart.
     fn largest_spacing(&self, s: f64) -> f64 {
-        largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.spacing_ratio(), self.climb.cos())
-    }
-}
-
-/// The height that a fast search found.
-#[derive(Debug, Clone, Copy)]
-struct QuickLevel {
-    level: f64,
-    /// As in [`Ridge`].
-    is_exact: bool,
-}
-
-impl QuickLevel {
-    fn of(ridge: &Ridge) -> Self {
-        Self { level: ridge.lengths.level, is_exact: ridge.is_exact }
-    }
-
-    fn exact(level: f64) -> Self {
-        Self { level, is_exact: true }
+        largest_leg(2.0 * self.outer_radius, s * self.spacing_ratio(), self.climb.cos())
     }
 }
 
@@ -402,6 +385,3 @@ fn largest_leg(hypotenuse: f64, leg: f64, ratio: f64) -> f64 {
     let room = ((hypotenuse - leg) * (hypotenuse + leg)).max(0.0).sqrt();
     (room / ratio * (1.0 - 4.0 * f64::EPSILON)).min(Length::LARGEST)
 }
-
-#[cfg(test)]
-mod tests;
