@@ -62,6 +62,7 @@ fn steepest_beyond(pass: &Pass) -> Option<Angle> {
 }
 
 /// How a surface and a cutter that touches it are concave.
+#[expect(clippy::large_enum_variant, reason = "it is taken apart where it is made")]
 enum Concavity {
     /// No direction of the surface is concave, or none that the cutter's flat touches.
     Convex { lambda: f64 },
@@ -101,7 +102,7 @@ impl Concavity {
             // direction.
             return if smallest_curvature < 0.0 { Self::FitsNowhere } else { Self::Convex { lambda: 1.0 } };
         }
-        let level_radius = if core != 0.0 { core / sin + corner } else { corner };
+        let level_radius = if core == 0.0 { corner } else { core / sin + corner };
         let steepest = pass.surface.turned(-theta.sin(), theta.cos());
         if cos == 0.0 && side_gouges(steepest, profile.outer_radius()) {
             return Self::FitsNowhere;
@@ -342,17 +343,18 @@ impl Footprint {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::f64::consts::FRAC_PI_2;
 
     proptest! {
         /// The error of central differences is of the order of the step's square, 1e-8, and of the roundings over the step.
         #[test]
         fn derivatives_are_those_of_central_differences(
             core in 0.0..5.0_f64, corner in 0.0..5.0_f64, slope in 0.0..1.57_f64, psi in -3.1..3.1_f64, beta in 0.0..1.57_f64,
-            (along, across, twist) in (-0.3..0.3_f64, -0.3..0.3_f64, -0.3..0.3_f64),
+            (along, across, twist) in (-0.3..0.3_f64, -0.3..0.3_f64, -0.3..0.3_f64), offset in [-1.0..1.0_f64, 0.0..1.0_f64],
         ) {
             let (sin, cos) = slope.sin_cos();
             let surface = SurfaceCurvature::from_components_per_mm(along, across, twist).unwrap();
-            let footprint = Footprint { core, corner, sin, cos, surface };
+            let footprint = Footprint { core, corner, offset, range: [0.0, FRAC_PI_2], sin, cos, surface };
             let (step, epsilon) = (1e-4, 1e-5);
             let height = |psi: f64, beta: f64| footprint.height(psi.sin_cos(), beta.sin_cos());
             let slopes = |psi: f64, beta: f64| footprint.derivatives(psi.sin_cos(), beta.sin_cos()).0;

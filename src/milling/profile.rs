@@ -191,7 +191,10 @@ impl Profile {
     #[must_use]
     pub fn is_straight_at(&self, phi: f64) -> bool {
         let has_flat = phi == 0.0 && self.arcs[0].point(0.0).0 > 0.0;
-        let joins = |pair: &[ProfileArc]| pair[0].to == phi && pair[1].from == phi && pair[1].point(phi).0 - pair[0].point(phi).0 > JOIN;
+        let joins = |pair: &[ProfileArc]| {
+            let is_common = (pair[0].to..=pair[1].from).contains(&phi);
+            is_common && pair[1].point(phi).0 - pair[0].point(phi).0 > JOIN
+        };
         has_flat || self.arcs().windows(2).any(joins)
     }
 

@@ -165,13 +165,13 @@ proptest! {
     /// compared. Cutters with a sharp edge are left out: on a surface that is concave along the feed their section has
     /// two lobes, and a search may find either, so that heights differ by up to 3 % (one in some 5,000 inputs).
     ///
-    /// With the feed along a level line, a height can fall by up to 3 % where another ridge becomes the one that is found
-    /// (one in some 35,000 inputs), and more where no ridge of turned marks is found, of which a warning tells. The inverse
-    /// is then a larger length with the same height.
+    /// The feed along a level line is left out: over the cutter's flat there are then two ridges, of which a search may find
+    /// either.
     #[test]
     fn the_inverses_leave_the_tolerance(
         cutter in cutters(), slope in 10.0..85.0_f64, alpha in feed_angles(), bend in bends(), s in 0.02..0.3_f64, f in 0.02..0.2_f64,
     ) {
+        prop_assume!(alpha.to_radians().cos().abs() > 1e-3);
         let Ok(evaluated) = envelope(on(cutter, Contact::from_degrees(slope, alpha).unwrap(), bent(cutter, bend))) else { return Ok(()) };
         let (s, f) = (s * cutter.outer_radius().mm(), f * cutter.outer_radius().mm());
         let Ok(found) = evaluated.scallop_height(mm(s), Some(mm(f))) else { return Ok(()) };

@@ -106,7 +106,8 @@ impl Body {
         let is_ball = is_tip && profile.arcs().len() == 1;
         let before = if is_tip { f64::INFINITY } else { sin * touching.from[1] - cos * touching.from[0] };
         let after = touching.to[0] * cos - touching.to[1] * sin;
-        let turn_limit = if surface.is_plane() || is_ball { 0.0 } else { LARGEST_TURN * before.min(after).max(0.0) };
+        // Marks of a sharp edge, whose contact is one circle, keep the stated normal.
+        let turn_limit = if surface.is_plane() || is_ball || arc.radius == 0.0 { 0.0 } else { LARGEST_TURN * before.min(after).max(0.0) };
         let sharpest = surface.principal_per_mm().map(f64::abs);
         let near = sharpest[0].max(sharpest[1]) * NEARBY * profile.outer_radius() / turn_limit.max(f64::MIN_POSITIVE);
         let turn_share = (1.0 + near.powi(4)).sqrt().sqrt().recip();
@@ -145,7 +146,7 @@ impl Body {
     pub(super) fn gap(&self, x: f64, c: f64, p: f64) -> Gap {
         let [along, across, twist] = self.bend;
         let fall = [along * x + twist * c, twist * x + across * c];
-        let sag = (fall[0] * x + fall[1] * c) / 2.0;
+        let sag = f64::midpoint(fall[0] * x, fall[1] * c);
         if self.turn_limit == 0.0 {
             let nearest = self.nearest(&self.stated, [-x, -c, p - sag], p - sag);
             let [by_feed, by_side, by_level] = nearest.normal;
@@ -283,7 +284,9 @@ fn overhang(axis: Space, uphill: [f64; 2], [along, across, twist]: [f64; 3], out
     let (steep, both) = (rises[0] * uphill[0] + rises[1] * uphill[1], rises[0] * level[0] + rises[1] * level[1]);
     let aside = outer.recip() + along + across - steep;
     let size = rises[0].hypot(rises[1]) * axis[0].hypot(axis[1]);
-    (size > 0.0 && (aside <= 0.0 || steep * aside < both * both)).then_some(size)
+    // Components that are exactly 0 become rounding errors of the largest one when the curvature is turned.
+    let rounding = 1e-12 * (along.abs() + across.abs() + twist.abs());
+    (size > 0.0 && (steep < -rounding || both.abs() > rounding && steep * aside < both * both)).then_some(size)
 }
 
 /// The signed distance of a point from the body and the body's normal towards it.

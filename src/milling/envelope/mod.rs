@@ -31,6 +31,9 @@ use search::{Lengths, Outcome, Places, Search, Sought};
 /// surface.
 const MET: f64 = 0.01;
 
+/// The share of lengths that is left of those at which passes or marks only just overlap.
+const JUST_UNDER: f64 = 1.0 - 1e-12;
+
 /// A height under this, in mm, is 0: the place lies on the cutter's flat or side.
 const NOTHING: f64 = 1e-30;
 
@@ -88,7 +91,8 @@ impl Envelope {
         let cutter: Cutter = pass.cutter.widened(pass.runout.radial());
         let body = Body::new(&cutter.profile(), pass.contact, pass.surface);
         let [along, across, twist] = body.relative_curvature(pass.contact);
-        if !pass.surface.is_plane() && !(across * along > twist * twist) {
+        let definite = across * along - twist * twist;
+        if !pass.surface.is_plane() && (definite.is_nan() || definite <= 0.0) {
             // The relative curvature is a rounding error, and the cutter's radius that of the surface.
             return None;
         }
@@ -246,15 +250,19 @@ impl Envelope {
             return None;
         }
         let guess = Lengths { level: self.guess(s, feed), step_over: s, feed };
-        let mut places = self.places(&guess);
         if let Some(ridge) = self.quickly(Sought::Level, guess) {
             return Some(Height { level: ridge.lengths.level, places: ridge.places });
         }
-        match self.search().solve(Sought::Level, guess, NOTHING, Length::LARGEST, &mut places) {
-            Outcome::At(level) => Some(Height { level, places }),
-            Outcome::Below => Some(Height { level: 0.0, places }),
-            Outcome::Above => None,
-        }
+        let search = |guess: Lengths| {
+            let mut places = self.places(&guess);
+            match self.search().solve(Sought::Level, guess, NOTHING, Length::LARGEST, &mut places) {
+                Outcome::At(level) => Some(Height { level, places }),
+                Outcome::Below => Some(Height { level: 0.0, places }),
+                Outcome::Above => None,
+            }
+        };
+        // Where the circles seen from above only just touch, rounding decides whether they do.
+        search(guess).or_else(|| search(Lengths { step_over: s * JUST_UNDER, feed: feed * JUST_UNDER, ..guess }))
     }
 
     /// A length at which h is a tolerance.

@@ -163,9 +163,9 @@ impl Search<'_> {
             if is_touching {
                 high = value;
             } else if sign * gap.value > 0.0 || gap.value == 0.0 && sought != Sought::Level {
-                low = value
+                low = value;
             } else {
-                high = value
+                high = value;
             }
             if low >= most {
                 return Outcome::Above;
@@ -229,6 +229,7 @@ struct End {
 
 /// The minimum of the greater of two convex functions, each given with its slope, from `start`. It ends where no more than
 /// `tolerance` can be gained; the last call of `at` is at the minimum.
+#[expect(clippy::float_cmp, reason = "a step that changes nothing is the last")]
 fn lowest_of_two(start: f64, mut stride: f64, tolerance: f64, mut at: impl FnMut(f64) -> [(f64, f64); 2]) -> Lowest {
     let (mut low, mut high): (Option<End>, Option<End>) = (None, None);
     let mut x = start;
@@ -278,33 +279,30 @@ fn lowest_of_two(start: f64, mut stride: f64, tolerance: f64, mut at: impl FnMut
             target = x + step;
         }
         if slope > 0.0 {
-            high = Some(here)
+            high = Some(here);
         } else {
-            low = Some(here)
+            low = Some(here);
         }
-        let next = match (low, high) {
-            (Some(low), Some(high)) => {
-                let width = high.x - low.x;
-                if width <= 2.0 * f64::EPSILON * (low.x.abs() + high.x.abs() + first_stride) {
-                    return lowest;
-                }
-                stalled += 1;
-                if width <= narrowed / 2.0 {
-                    (narrowed, stalled) = (width, 0);
-                }
-                if target > low.x && target < high.x && stalled < 4 {
-                    target
-                } else {
-                    stalled = 0;
-                    f64::midpoint(low.x, high.x)
-                }
+        let next = if let (Some(low), Some(high)) = (low, high) {
+            let width = high.x - low.x;
+            if width <= 2.0 * f64::EPSILON * (low.x.abs() + high.x.abs() + first_stride) {
+                return lowest;
             }
-            _ => {
-                let direction = -slope.signum();
-                let ahead = direction * (target - x);
-                stride *= 2.0;
-                if ahead > 0.0 && ahead < 4.0 * stride { target } else { x + direction * stride }
+            stalled += 1;
+            if width <= narrowed / 2.0 {
+                (narrowed, stalled) = (width, 0);
             }
+            if target > low.x && target < high.x && stalled < 4 {
+                target
+            } else {
+                stalled = 0;
+                f64::midpoint(low.x, high.x)
+            }
+        } else {
+            let direction = -slope.signum();
+            let ahead = direction * (target - x);
+            stride *= 2.0;
+            if ahead > 0.0 && ahead < 4.0 * stride { target } else { x + direction * stride }
         };
         if next == x {
             return lowest;
