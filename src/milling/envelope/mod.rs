@@ -32,7 +32,7 @@ use search::{Lengths, Outcome, Places, Search, Sought};
 const MET: f64 = 0.01;
 
 /// The share of lengths that is left of those at which passes or marks only just overlap.
-const JUST_UNDER: f64 = 1.0 - 1e-12;
+const JUST_UNDER: f64 = 1.0 - 1e-9;
 
 /// A height under this, in mm, is 0: the place lies on the cutter's flat or side.
 const NOTHING: f64 = 1e-30;
@@ -269,8 +269,23 @@ impl Envelope {
     fn solve(&self, sought: Sought, guess: Lengths, largest: f64) -> Outcome {
         match self.quickly(sought, guess).map(|ridge| ridge.lengths.get(sought)) {
             Some(length) if length <= largest => Outcome::At(length),
-            _ => self.search().solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess)),
+            _ => self.confirmed(sought, guess, self.search().solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess))),
         }
+    }
+
+    /// The length of the sure search, or where a curved surface has other ridges, of which the search found one that is not the
+    /// height's, a smaller length whose height keeps the tolerance.
+    fn confirmed(&self, sought: Sought, lengths: Lengths, found: Outcome) -> Outcome {
+        let Outcome::At(length) = found else { return found };
+        let keeps = |length: f64| {
+            let Lengths { step_over, feed, level } = lengths.with(sought, length);
+            self.height(step_over, feed).is_some_and(|height| height.level <= level * (1.0 + 1e-10))
+        };
+        if self.pass.surface.is_plane() || keeps(length) {
+            return found;
+        }
+        let kept = largest_met(length, keeps);
+        if kept > 0.0 { Outcome::At(kept) } else { Outcome::Below }
     }
 
     fn search(&self) -> Search<'_> {
@@ -347,7 +362,12 @@ impl Envelope {
     /// [`MET`].
     fn largest_met_step_over(&self, feed: f64) -> f64 {
         let overlapping = self.largest_step_over(self.pattern.spacing(feed));
-        if self.pass.surface.is_plane() { overlapping } else { largest_met(overlapping, |s| self.height(s, feed).is_some()) }
+        if self.pass.surface.is_plane() {
+            overlapping
+        } else {
+            // An answer has both heights.
+            largest_met(overlapping, |s| [feed, 0.0].into_iter().all(|feed| self.height(s, feed).is_some()))
+        }
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved

@@ -155,8 +155,14 @@ impl Search<'_> {
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut value = lengths.get(sought).clamp(least, most);
         let (mut width, mut stalled) = (f64::INFINITY, 0);
+        let (start, mut last) = (*places, value);
         for _ in 0..MOST_STEPS {
             lengths = lengths.with(sought, value);
+            // The places of a far length can lie in another valley.
+            if (value - last).abs() > 0.2 * value.min(last) {
+                *places = start;
+            }
+            last = value;
             let gap = self.ridge_gap(&lengths, places);
             // Where two circles just touch, the distance is 0 up to rounding from some height on.
             let is_touching = sought == Sought::Level && gap.value.abs() <= 100.0 * self.body.rounding() && gap.by_level.abs() <= TOUCHING;
@@ -182,7 +188,7 @@ impl Search<'_> {
                 (width, stalled) = (high - low, 0);
             }
             value = if newton > low && newton < high && stalled < 6 {
-                newton.clamp(value / 64.0, value * 64.0)
+                newton.clamp(value / 64.0, value * 8.0)
             } else if high == f64::INFINITY {
                 8.0 * value
             } else if low == 0.0 {
