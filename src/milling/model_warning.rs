@@ -74,7 +74,7 @@ impl fmt::Display for ModelWarning {
             ),
             Self::EffectiveRadiusBeyondCutter { effective_radius: None, .. } => f.write_str("the effective radius is infinite"),
             Self::SharpMarks => {
-                f.write_str("a sharp corner leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
+                f.write_str("a flat-end cutter leaves sharp marks; a small corner radius leaves lower ones and lasts longer")
             }
             Self::CurvatureApproximate => f.write_str(
                 "the normal of the curved surface turns between the marks by an angle that is not negligible (as at every slope under 10 deg); the height is approximate, and can be exceeded by a few percent",

@@ -87,7 +87,7 @@ impl fmt::Display for NoAnswer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::FlatFloor => f.write_str(
-                "on a floor (slope 0) the effective radius of a cutter with a flat is infinite and the analytic model has no answer; model \"envelope\" has one",
+                "on a floor (slope 0) the effective radius of a toroidal or flat-end cutter is infinite and the analytic model has no answer; model \"envelope\" has one",
             ),
             Self::StraightFlank => f.write_str(
                 "the slope is that of the cutter's cone, whose effective radius is infinite, and the analytic model has no answer; model \"envelope\" has one",
