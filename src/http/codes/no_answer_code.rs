@@ -78,9 +78,7 @@ impl NoAnswerCode {
     pub(crate) fn of(cause: NoAnswer) -> (Self, Vec<(ProblemFigure, f64)>) {
         let one = |figure, length: Length| vec![(figure, length.mm())];
         match cause {
-            // No request can state a cutter with a cone yet.
-            NoAnswer::FlatFloor | NoAnswer::StraightFlank => (Self::FlatFloor, Vec::new()),
-            NoAnswer::TooSteep { steepest: _ } => (Self::Gouging, Vec::new()),
+            NoAnswer::FlatFloor => (Self::FlatFloor, Vec::new()),
             NoAnswer::StraightFlank => (Self::StraightFlank, Vec::new()),
             NoAnswer::TooSteep { steepest: _ } => (Self::TooSteep, Vec::new()),
             NoAnswer::PassesDoNotOverlap { largest_step_over } => (Self::PassesDoNotOverlap, one(LARGEST_STEP_OVER, largest_step_over)),
