@@ -27,6 +27,7 @@ codes! {
         OnlyDegenerateFacets = "only-degenerate-facets": "No facet of the surface has an area", "Check the mesh and its unit.";
         AllPointsEqual = "all-points-equal": "All points of the surface are equal", "Check the file or the points.";
         Collinear = "collinear": "All points of the surface lie on a line", "Send points that spread over the surface.";
+        FaultyProgram = "faulty-program": "A line of a program cannot be followed", "Correct the line that the detail names, or post-process the path as plain G0 to G3.";
         NothingToMachine = "nothing-to-machine": "No facet of the surface is machined", "Check the selection, the largest slope and the orientation: Z is the tool axis.";
     }
 }

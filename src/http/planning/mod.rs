@@ -12,6 +12,7 @@ mod map;
 mod memory;
 mod parameters;
 mod passes;
+mod path_check;
 mod plan;
 mod recommendation;
 mod shape;
@@ -32,6 +33,8 @@ pub(super) fn routes() -> Routes {
         .with_examples(examples!("machines"))
         .documented(Batch, routes!(recommendation::answer))
         .with_examples(examples!("cutter_recommendation"))
+        .documented(Batch, routes!(path_check::answer))
+        .with_examples(examples!("path_check"))
         .documented(Upload, routes!(upload::answer))
         .with_examples(examples!("cutter_recommendation_upload"))
 }

@@ -43,7 +43,7 @@ fn share(value: f64) -> Result<f64, OutOfRange> {
 }
 
 /// The default of the largest slope, in deg.
-const DEFAULT_MAX_SLOPE: f64 = 85.0;
+pub(super) const DEFAULT_MAX_SLOPE: f64 = 85.0;
 
 members! {
     /// The parameters besides the surface.

@@ -2,7 +2,7 @@
 //! spindle speed and clearance are optional.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, Member, Quantity, members, text};
+use crate::http::reading::{AddMembers, Components, Faulted, Faults, Kind, Member, Members, Object, Quantity, members, text};
 use crate::json_text::{JsonPath, JsonText};
 use crate::motion::{self, MachineLimits, PRESETS, Preset};
 use crate::quantity::{Acceleration, Jerk, Length, Speed, SpindleSpeed};
@@ -47,6 +47,32 @@ impl MachineMembers {
             clearance_height: clearance_height?.unwrap_or(machine.clearance_height),
             ..machine
         })
+    }
+}
+
+const PATH_TOLERANCE: Member<Quantity<Length>> = Member::new(
+    "path_tolerance_mm",
+    "the control looks ahead and rounds corners within this; absent = it stops at the ends of every run of moves at the feed rate and at every rapid's",
+    Quantity::length(0.01),
+);
+
+/// A machine that runs a stated path, with the tolerance of its control.
+pub(crate) struct PathMachine;
+
+impl Kind for PathMachine {
+    type Value = (motion::Machine, Option<Length>);
+
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+        Object::open(raw, path, faults)?.read(faults, |object, faults| {
+            let machine = MachineMembers::read(object, faults).build(&path, faults);
+            let tolerance = object.optional(&PATH_TOLERANCE, faults);
+            Ok((machine?, tolerance?))
+        })
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        let add: AddMembers<'_> = &|schema| MachineMembers::describe(schema).optional(&PATH_TOLERANCE);
+        components.refer_object("PathMachine", about, "A machine, and the tolerance of its control along a path", add)
     }
 }
 

@@ -98,6 +98,23 @@ impl Kind for Points {
     }
 }
 
+/// An array of points that is kept: a path.
+pub(crate) struct PathPoints;
+
+impl Kind for PathPoints {
+    type Value = Vec<[f64; 3]>;
+
+    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+        let mut points = Vec::new();
+        each_point(raw, path, faults, |point| points.push(point))?;
+        Ok(points)
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        Points.schema(about, components)
+    }
+}
+
 /// The schema of one point.
 pub(super) fn point_schema() -> RefOr<Schema> {
     let bound = LARGEST_COORDINATE;
