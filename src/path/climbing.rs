@@ -1,11 +1,19 @@
 //! The way from the worst of random places to the worst place.
 
-use super::finish::Spot;
 use super::milled::Left;
 use super::places::{Place, mixed};
 use crate::surface::Mesh;
 use rayon::prelude::*;
 use std::collections::HashSet;
+
+/// A place and what is left there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spot {
+    /// The place.
+    pub place: Place,
+    /// The level and the move that decides.
+    pub left: Left,
+}
 
 /// The number of facets on which a climb begins.
 const STARTS: usize = 48;

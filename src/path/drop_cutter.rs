@@ -67,21 +67,36 @@ pub enum Feature {
     Vertex(u8),
 }
 
+/// Planes under the bottom of the cutter steeper than this rule out little, and round more.
+const STEEPEST_UNDER: f64 = 100.0;
+
 /// The highest position of the tip found so far.
+#[derive(Clone, Copy)]
 struct Highest {
     height: f64,
     place: usize,
     feature: Feature,
     contact: [f64; 3],
+    /// A plane under the cutter's bottom that touches it at the contact: what lies under it cannot raise the tip.
+    under: Option<Under>,
 }
 
 impl Highest {
-    const NONE: Self = Self { height: f64::NEG_INFINITY, place: 0, feature: Feature::Inside, contact: [0.0; 3] };
+    const NONE: Self = Self { height: f64::NEG_INFINITY, place: 0, feature: Feature::Inside, contact: [0.0; 3], under: None };
+}
 
-    fn raise(&mut self, found: Self) {
-        if found.height > self.height {
-            *self = found;
-        }
+/// A plane nowhere over the bottom of the cutter, because the bottom is convex.
+#[derive(Clone, Copy)]
+struct Under {
+    gradient: [f64; 2],
+    /// Its height over the tip at the axis.
+    at_axis: f64,
+}
+
+impl Under {
+    /// The height to which a point, given from the axis, raises the tip at most.
+    fn raises(&self, from_axis: [f64; 2], z: f64) -> f64 {
+        z - self.at_axis - self.gradient[0] * from_axis[0] - self.gradient[1] * from_axis[1]
     }
 }
 
@@ -151,7 +166,7 @@ impl DropCutter {
             query.rest_on(place as usize, &self.corners[place as usize], &mut highest);
         }
         self.visit(
-            |node, enough| query.bound(node, enough),
+            |node, highest| query.bound(node, highest),
             |place, highest| query.rest_on(place, &self.corners[place], highest),
             &mut highest,
         );
@@ -163,7 +178,8 @@ impl DropCutter {
     pub fn height_over(&self, x: f64, y: f64) -> Option<f64> {
         let rounding = 1e-12 + 4.0 * f64::EPSILON * (x.abs() + y.abs());
         let mut highest = Highest::NONE;
-        let bound = |node: &Node, _| if node.squared_distance([x, y]) > rounding * rounding { f64::NEG_INFINITY } else { node.top };
+        let bound =
+            |node: &Node, _: &Highest| if node.squared_distance([x, y]) > rounding * rounding { f64::NEG_INFINITY } else { node.top };
         let over = |place: usize, highest: &mut Highest| {
             let facet = Plane::of(&self.corners[place]);
             if facet.is_wall() || facet.outside([x, y], rounding) != [false; 3] {
@@ -176,13 +192,13 @@ impl DropCutter {
     }
 
     /// Calls `meet` with the place of every facet that may be higher than the highest found, the most promising first.
-    fn visit(&self, bound: impl Fn(&Node, f64) -> f64, mut meet: impl FnMut(usize, &mut Highest), highest: &mut Highest) {
+    fn visit(&self, bound: impl Fn(&Node, &Highest) -> f64, mut meet: impl FnMut(usize, &mut Highest), highest: &mut Highest) {
         if self.nodes.is_empty() {
             return;
         }
         // Halves of 2^32 facets are at most 32 deep, and each level leaves one child waiting.
         let mut waiting = [(0_u32, 0.0); 33];
-        waiting[0] = (0, bound(&self.nodes[0], highest.height));
+        waiting[0] = (0, bound(&self.nodes[0], highest));
         let mut count = 1;
         while count > 0 {
             count -= 1;
@@ -193,8 +209,7 @@ impl DropCutter {
                     (node.next..node.next + node.facets).for_each(|place| meet(place as usize, highest));
                     break;
                 }
-                let enough = highest.height + INDISTINCT;
-                let children = [index + 1, node.next].map(|child| (child, bound(&self.nodes[child as usize], enough)));
+                let children = [index + 1, node.next].map(|child| (child, bound(&self.nodes[child as usize], highest)));
                 let [near, far] = if children[0].1 >= children[1].1 { children } else { [children[1], children[0]] };
                 if far.1 > highest.height + INDISTINCT {
                     waiting[count] = far;
@@ -232,36 +247,21 @@ impl Query {
     }
 
     /// A height over which none of a node's facets lifts the tip: of those for the top of their box, and for the part of
-    /// their bounding plane in their box. The second is sought only if the first is over `enough`.
-    fn bound(&self, node: &Node, enough: f64) -> f64 {
+    /// their bounding plane in their box over the plane under the cutter's bottom. The second is sought only if the first
+    /// is not low enough.
+    fn bound(&self, node: &Node, highest: &Highest) -> f64 {
         let squared = node.squared_distance(self.at);
         if squared > self.squared_radius {
             return f64::NEG_INFINITY;
         }
         let on_box = node.top - self.bottom.low(squared.sqrt());
-        if on_box <= enough {
-            return on_box;
-        }
-        let stand = self.bottom.on_plane(node.tangent);
-        let plane = node.plane_at(self.at);
-        let on_whole_plane = plane + stand.rise;
-        let [x, y] = self.contact(node.gradient, node.tangent, stand);
-        let (is_beside, is_before) = (x < node.min[0] || x > node.max[0], y < node.min[1] || y > node.max[1]);
-        if on_whole_plane <= enough || !is_beside && !is_before {
-            return on_box.min(on_whole_plane);
-        }
-        let mut on_plane = f64::NEG_INFINITY;
-        // As on a facet, the plane's part in the box is touched on an edge towards the contact.
-        for (is_beyond, across, along) in [(is_beside, 0, 1), (is_before, 1, 0)] {
-            if is_beyond {
-                let edge = if [x, y][across] < node.min[across] { node.min[across] } else { node.max[across] } - self.at[across];
-                let ends = [node.min[along] - self.at[along], node.max[along] - self.at[along]];
-                if let Some((_, height)) = self.bottom.over_line(node.gradient[along], edge.abs(), ends) {
-                    on_plane = on_plane.max(plane + node.gradient[across] * edge + height);
-                }
-            }
-        }
-        on_box.min(on_plane)
+        let Some(under) = highest.under.filter(|_| on_box > highest.height + INDISTINCT) else { return on_box };
+        // The difference of two planes is greatest at a corner of the box.
+        let greatest = |axis: usize| {
+            let gradient = node.gradient[axis] - under.gradient[axis];
+            (gradient * (node.min[axis] - self.at[axis])).max(gradient * (node.max[axis] - self.at[axis]))
+        };
+        on_box.min(node.plane_at(self.at) - under.at_axis + greatest(0) + greatest(1))
     }
 
     /// Raises the highest position to the one on this facet, if that is higher.
@@ -269,6 +269,12 @@ impl Query {
         let top = corners[0][2].max(corners[1][2]).max(corners[2][2]);
         if top <= highest.height + INDISTINCT {
             return;
+        }
+        if let Some(under) = highest.under {
+            let raises = |corner: &[f64; 3]| under.raises([corner[0] - self.at[0], corner[1] - self.at[1]], corner[2]);
+            if corners.iter().map(raises).fold(f64::NEG_INFINITY, f64::max) <= highest.height + INDISTINCT {
+                return;
+            }
         }
         let plane = Plane::of(corners);
         let beyond = if plane.is_wall() {
@@ -284,7 +290,8 @@ impl Query {
             let beyond = plane.outside(contact, self.rounding);
             if beyond == [false; 3] {
                 let contact = [contact[0], contact[1], plane.height(contact)];
-                *highest = Highest { height, place, feature: Feature::Inside, contact };
+                let under = Some(Under { gradient: plane.gradient, at_axis: plane.height(self.at) - height });
+                *highest = Highest { height, place, feature: Feature::Inside, contact, under };
                 return;
             }
             beyond
@@ -308,7 +315,7 @@ impl Query {
             let squared = from_axis[0] * from_axis[0] + from_axis[1] * from_axis[1];
             if squared <= self.squared_radius {
                 let height = top[2] - self.bottom.low(squared.sqrt());
-                highest.raise(Highest { height, place, feature: Feature::Vertex(corner), contact: top });
+                self.raise(highest, Highest { height, place, feature: Feature::Vertex(corner), contact: top, under: None });
             }
             return;
         }
@@ -327,7 +334,24 @@ impl Query {
             (Feature::Edge(edge), [a[0] + share * along[0], a[1] + share * along[1], a[2] + share * (b[2] - a[2])])
         };
         let rho = (h * h + s * s).sqrt().min(radius);
-        highest.raise(Highest { height: contact[2] - self.bottom.low(rho), place, feature, contact });
+        let height = contact[2] - self.bottom.low(rho);
+        self.raise(highest, Highest { height, place, feature, contact, under: None });
+    }
+
+    /// Raises the highest position to the one found on an edge, if that is higher.
+    fn raise(&self, highest: &mut Highest, found: Highest) {
+        if found.height <= highest.height {
+            return;
+        }
+        let out = [found.contact[0] - self.at[0], found.contact[1] - self.at[1]];
+        let rho = out[0].hypot(out[1]);
+        // At a corner of the profile the flattest of the planes that touch it.
+        let (tangent, _) = self.bottom.tangents(rho.min(self.bottom.radius()));
+        let under = (tangent < STEEPEST_UNDER).then(|| {
+            let gradient = if rho > 0.0 { out.map(|part| part / rho * tangent) } else { [0.0; 2] };
+            Under { gradient, at_axis: found.contact[2] - found.height - tangent * rho }
+        });
+        *highest = Highest { under, ..found };
     }
 
     /// The reversed normal of the cutter where it touches an edge or its end.

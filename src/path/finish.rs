@@ -2,7 +2,7 @@
 
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts are below 2^52")]
 
-use super::climbing::{Climbed, climbed};
+use super::climbing::{Climbed, Spot, climbed};
 use super::milled::{Left, Milled};
 use super::places::{Place, Places};
 use super::standing::Reach;
@@ -53,15 +53,6 @@ pub struct Finish {
     pub worst: Option<Spot>,
     /// The share of the area with ridges of at least half the tolerance about it.
     pub used_share: Share,
-}
-
-/// A place and what is left there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
-    /// The place.
-    pub place: Place,
-    /// The level and the move that decides.
-    pub left: Left,
 }
 
 /// A share of the area.

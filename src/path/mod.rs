@@ -12,16 +12,16 @@ mod milled;
 mod move_grid;
 mod moves;
 mod places;
-pub mod program;
 mod random;
 mod standing;
 #[cfg(test)]
 mod tests;
 mod tip_line;
 
+pub use climbing::Spot;
 pub use contour::{Area, Contour, borders, waterlines};
 pub use drop_cutter::{DropCutter, Feature, Touch};
-pub use finish::{Finish, OVER, Residual, Share, Spot};
+pub use finish::{Finish, OVER, Residual, Share};
 pub use milled::{Left, Milled};
 pub use moves::{Move, MoveKind};
 pub use places::{Place, Places};

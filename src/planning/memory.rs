@@ -1,4 +1,5 @@
-//! The memory that planning takes, computed in advance so that a caller can reserve it.
+//! The memory that planning takes, computed in advance so that a caller can reserve it. `cargo bench --bench memory`
+//! measures it.
 
 use super::zigzag::{CandidateCutter, PlanRoom};
 use crate::surface::mesh::MeshSize;

@@ -2,8 +2,9 @@
 
 mod bezier;
 mod bounds;
-mod delaunay;
+mod facets;
 mod grid;
+mod lanes;
 pub mod mesh;
 mod moments;
 mod piece;
@@ -12,6 +13,7 @@ pub mod read;
 mod received;
 mod sampled;
 mod shape;
+mod slope;
 mod triangulation;
 mod unit;
 
@@ -21,7 +23,7 @@ pub use grid::{Grid, GridError};
 pub use mesh::{FinishFacet, Mesh, MeshBuilder, MeshError, MeshPart};
 pub use moments::Moments;
 pub use principal_axes::PrincipalAxes;
-pub(crate) use received::{MOST_FACETS, ReceivedSurface};
+pub(crate) use received::{ReceivedPart, ReceivedSurface};
 pub use sampled::{Facing, SampledSurface};
 pub use shape::{Basis, Shape, ShapeError};
 pub use triangulation::LONG_EDGE;

@@ -5,6 +5,7 @@ mod budget;
 #[cfg(target_os = "linux")]
 mod cancellation;
 mod connections;
+mod half_closed;
 mod launch;
 mod limits;
 #[cfg(target_os = "linux")]

@@ -135,11 +135,6 @@ enum CutterKindName {
     Toroidal,
     BallEnd,
     FlatEnd,
-    TaperedBall,
-    Lens,
-    Oval,
-    ConicalBarrel,
-    Profile,
 }
 
 answer! {
@@ -203,7 +198,7 @@ answer! {
     }
 }
 
-same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd, TaperedBall, Lens, Oval, ConicalBarrel, Profile);
+same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd);
 
 impl RankedCandidate {
     /// A plan simulated on the surface.

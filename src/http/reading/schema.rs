@@ -1,6 +1,6 @@
 //! Schemas of request objects, built from the declarations of their members.
 
-use super::{AnyMember, Components, Kind, Member};
+use super::{Components, Kind, Member};
 use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -34,19 +34,15 @@ impl<'c> ObjectSchema<'c> {
     }
 
     /// Adds a required member.
-    pub(crate) fn required<K: Kind + Sync>(self, member: &Member<K>) -> Self {
-        self.member(member, true)
+    pub(crate) fn required<K: Kind>(self, member: &Member<K>) -> Self {
+        let Self { builder, components } = self.optional(member);
+        Self { builder: builder.required(member.name), components }
     }
 
     /// Adds a member that may be absent.
-    pub(crate) fn optional<K: Kind + Sync>(self, member: &Member<K>) -> Self {
-        self.member(member, false)
-    }
-
-    /// Adds a member.
-    pub(super) fn member(self, member: &dyn AnyMember, is_required: bool) -> Self {
-        let schema = member.schema(self.components);
-        if is_required { self.required_property(member.name(), schema) } else { self.property(member.name(), schema) }
+    pub(crate) fn optional<K: Kind>(self, member: &Member<K>) -> Self {
+        let schema = member.kind.schema(member.about, self.components);
+        self.property(member.name, schema)
     }
 
     /// Adds a member of the schema `schema` that may be absent.
