@@ -28,7 +28,7 @@ RUN cp Cargo.toml Cargo.toml.whole; \
     mkdir src; \
     echo 'fn main() {}' > src/main.rs; \
     touch src/lib.rs; \
-    cargo build --release --locked --target "$(uname -m)-unknown-linux-musl"; \
+    cargo build --profile container --locked --target "$(uname -m)-unknown-linux-musl"; \
     rm -r src
 
 FROM dependencies AS build
@@ -37,8 +37,8 @@ ARG REVISION=unknown
 COPY . .
 # Newer than the empty program, whatever the checkout's times are.
 RUN touch src/lib.rs src/main.rs; \
-    SCALLOPD_REVISION="$REVISION" cargo build --release --locked --target "$(uname -m)-unknown-linux-musl"; \
-    install -D -s "target/$(uname -m)-unknown-linux-musl/release/scallopd" /image/scallopd
+    SCALLOPD_REVISION="$REVISION" cargo build --profile container --locked --target "$(uname -m)-unknown-linux-musl"; \
+    install -D -s "target/$(uname -m)-unknown-linux-musl/container/scallopd" /image/scallopd
 
 FROM ${RUNTIME_IMAGE}
 ARG VERSION=0.1.0

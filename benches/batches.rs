@@ -157,8 +157,8 @@ struct Bench {
 impl Bench {
     fn new() -> Self {
         let Ok(Command::Serve(settings)) = Command::read(["scallopd"]) else { panic!("the defaults serve") };
-        let state = AppState::start(&settings.http).expect("threads");
-        let app = http::service(http::routes(), &settings.http, &state);
+        let state = AppState::start(&settings).expect("threads");
+        let app = http::service(http::routes(), &settings, &state);
         Self { runtime: tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime"), app }
     }
 

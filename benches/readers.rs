@@ -1,17 +1,12 @@
 //! Measures the speed of the readers on one core, compared with adding up the same bytes:
 //! `cargo bench --bench readers [facets]`.
 //!
-//! Every file has the same surface, a million facets unless stated otherwise (text: their vertices twice), and arrives
-//! in chunks of 64 KiB. The shortest of several times is printed, because other work on the machine can only make it
-//! longer.
-//!
-//! The second table has the service's reading, in blocks of a megabyte on two threads, with the sums, and with facets
-//! welded and merged or points thinned beyond 500,000 of them: the least processor time of both threads. "sums" leaves
-//! out welding, "blocks" leaves out both.
+//! Every file has the same surface, a million facets unless stated otherwise (text: their vertices twice). The shortest
+//! of several times is printed, because other work on the machine can only make it longer. "sums" adds the sums of the
+//! service, and "welded" also its mesh, with facets merged or points thinned beyond 500,000 of them.
 
-use rayon::ThreadPoolBuilder;
 use scallopd::surface::read::{FormatHint, Reader};
-use scallopd::surface::{MeshBuilder, MeshPart, PartedSink, SampledSurface, Sink};
+use scallopd::surface::{MeshBuilder, SampledSurface, Sink};
 use std::fmt::Write;
 use std::hint::black_box;
 use std::time::Instant;
@@ -19,7 +14,6 @@ use std::time::Instant;
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
-const CHUNK: usize = 1 << 16;
 const REPETITIONS: usize = 9;
 
 /// Adds up the coordinates, so that the compiler cannot omit any.
@@ -38,26 +32,14 @@ impl Sink for Sum {
     }
 }
 
-impl PartedSink for Sum {
-    type Part = Self;
-
-    fn part(&self) -> Self {
-        Self::default()
-    }
-
-    fn append(&mut self, part: Self) {
-        self.point(part.0);
-    }
-}
-
-/// The sums of the service, and the mesh if it is wanted; of the whole file or of a part.
+/// The sums of the service, and the mesh if it is wanted.
 #[derive(Default)]
-struct Received<M> {
+struct Received {
     sampled: SampledSurface,
-    mesh: Option<M>,
+    mesh: Option<MeshBuilder>,
 }
 
-impl<M: Sink> Sink for Received<M> {
+impl Sink for Received {
     fn point(&mut self, point: [f64; 3]) {
         self.sampled.point(point);
         if let Some(mesh) = &mut self.mesh {
@@ -69,21 +51,6 @@ impl<M: Sink> Sink for Received<M> {
         self.sampled.facet(corners);
         if let Some(mesh) = &mut self.mesh {
             mesh.facet(corners);
-        }
-    }
-}
-
-impl PartedSink for Received<MeshBuilder> {
-    type Part = Received<MeshPart>;
-
-    fn part(&self) -> Received<MeshPart> {
-        Received { sampled: SampledSurface::new(), mesh: self.mesh.as_ref().map(MeshBuilder::part) }
-    }
-
-    fn append(&mut self, part: Received<MeshPart>) {
-        self.sampled.merge(&part.sampled);
-        if let (Some(mesh), Some(part)) = (&mut self.mesh, part.mesh) {
-            mesh.append(part);
         }
     }
 }
@@ -187,34 +154,6 @@ fn single(vertex: [f64; 3]) -> impl Iterator<Item = u8> {
     vertex.into_iter().flat_map(|value| (value as f32).to_le_bytes())
 }
 
-/// The processor time of this process, in s.
-fn processor_seconds() -> f64 {
-    let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    #[allow(clippy::cast_precision_loss, reason = "far below 2^53")]
-    let seconds = now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64;
-    seconds
-}
-
-/// The least processor time and the shortest time that `run` takes, in s.
-fn least(run: impl Fn()) -> [f64; 2] {
-    let once = || {
-        let (processor, start) = (processor_seconds(), Instant::now());
-        run();
-        [processor_seconds() - processor, start.elapsed().as_secs_f64()]
-    };
-    (0..REPETITIONS).map(|_| once()).fold([f64::INFINITY; 2], |least, [processor, time]| [least[0].min(processor), least[1].min(time)])
-}
-
-/// Reads a file as the service does, into a sink.
-fn read_in_blocks<S: PartedSink>(file: &[u8], mut sink: S) {
-    let mut reader = Reader::new(FormatHint::default());
-    for some in file.chunks(CHUNK).collect::<Vec<_>>().chunks(16) {
-        reader.push_in_parallel(some.iter().copied(), &mut sink).expect("a good file");
-    }
-    black_box(reader.finish(&mut sink).expect("a good file"));
-    black_box(&mut sink);
-}
-
 /// The shortest time that `run` takes, in seconds.
 fn best(run: impl Fn()) -> f64 {
     let once = || {
@@ -225,14 +164,9 @@ fn best(run: impl Fn()) -> f64 {
     (0..REPETITIONS).map(|_| once()).fold(f64::INFINITY, f64::min)
 }
 
-fn read(file: &[u8]) {
-    let mut reader = Reader::new(FormatHint::default());
-    let mut sum = Sum::default();
-    for chunk in file.chunks(CHUNK) {
-        reader.push(chunk, &mut sum).expect("the file is clean");
-    }
-    reader.finish(&mut sum).expect("the file is whole");
-    black_box(sum.0);
+fn read(file: &[u8], mut sink: impl Sink) {
+    black_box(Reader::new(FormatHint::default()).read(file, &mut sink).expect("a good file"));
+    black_box(&mut sink);
 }
 
 /// Reads every byte without parsing, as the upper limit of the machine's speed.
@@ -254,22 +188,18 @@ fn main() {
         ("binary PLY", &|| surface.binary_ply()),
     ];
     let files = files.map(|(name, file)| (name, file()));
-    println!("{:16} {:>8} {:>10} {:>14} {:>8}", "", "MB", "read MB/s", "sum bytes MB/s", "ratio");
+    println!("{:16} {:>8} {:>10} {:>10} {:>10} {:>14}", "MB/s", "MB", "read", "sums", "welded", "sum of bytes");
     for (name, file) in &files {
-        let (reading, adding) = (best(|| read(file)), best(|| add_bytes(file)));
+        let welding = || Received { mesh: Some(MeshBuilder::with_facet_limit(500_000)), ..Received::default() };
+        let times = [
+            best(|| read(file, Sum::default())),
+            best(|| read(file, Received::default())),
+            best(|| read(file, welding())),
+            best(|| add_bytes(file)),
+        ];
         let megabytes = megabytes(file);
-        println!("{name:16} {megabytes:8.1} {:10.0} {:14.0} {:8.1}", megabytes / reading, megabytes / adding, reading / adding);
-    }
-    let pool = ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
-    println!("\n{:16} {:>10} {:>10} {:>10} {:>12}", "processor ms", "blocks", "sums", "welded", "welded MB/s");
-    for (name, file) in &files {
-        let (blocks, sums, welded) = pool.install(|| {
-            let welding = || Received { mesh: Some(MeshBuilder::with_facet_limit(500_000)), ..Received::default() };
-            let blocks = least(|| read_in_blocks(file, Sum::default()));
-            (blocks, least(|| read_in_blocks(file, Received::default())), least(|| read_in_blocks(file, welding())))
-        });
-        let ms = |[processor, _]: [f64; 2]| 1e3 * processor;
-        println!("{name:16} {:10.1} {:10.1} {:10.1} {:12.0}", ms(blocks), ms(sums), ms(welded), megabytes(file) / welded[1]);
+        let [reading, sums, welded, adding] = times.map(|time| megabytes / time);
+        println!("{name:16} {megabytes:8.1} {reading:10.0} {sums:10.0} {welded:10.0} {adding:14.0}");
     }
 }
 

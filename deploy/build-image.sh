@@ -80,9 +80,9 @@ build_last_stage() {
     target="$(uname -m)-unknown-linux-musl"
     sysroot=$(rustc --print sysroot)
     [ -d "$sysroot/lib/rustlib/$target" ] || rustup target add "$target"
-    (cd "$root" && CARGO_TARGET_DIR="$work/target" SCALLOPD_REVISION="$revision" cargo build --quiet --release --locked --target "$target")
+    (cd "$root" && CARGO_TARGET_DIR="$work/target" SCALLOPD_REVISION="$revision" cargo build --quiet --profile container --locked --target "$target")
     mkdir -p "$work/context"
-    install -s "$work/target/$target/release/scallopd" "$work/context/scallopd"
+    install -s "$work/target/$target/container/scallopd" "$work/context/scallopd"
     awk '/^FROM \$\{RUNTIME_IMAGE\}/ { print "ARG RUNTIME_IMAGE=scratch"; last = 1 } last { sub(/^COPY --from=build \/image\//, "COPY "); print }' \
         "$root/Dockerfile" > "$work/context/Dockerfile"
     bud --layers=false "$work/context"

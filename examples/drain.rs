@@ -28,19 +28,19 @@ fn main() -> Result<()> {
 }
 
 async fn serve(settings: &Settings) -> Result<()> {
-    let telemetry = Telemetry::start(&settings.telemetry)?;
-    let state = AppState::start(&settings.http)?;
+    let telemetry = Telemetry::start(settings)?;
+    let state = AppState::start(settings)?;
     let routes = Routes::new().undocumented(RouteClass::Upload, "/v1/cutter-recommendation/upload", post(drain)).undocumented(
         RouteClass::Batch,
         "/v1/cutter-recommendation",
         post(drain),
     );
-    let app = App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
+    let app = App { router: http::service(routes, settings, &state), refuse: http::refusals(&state) };
     let listener = tokio::net::TcpListener::bind(settings.listen).await?;
     // Lines of other programs than scallopd are filtered out.
     tracing::info!(target: "scallopd", address = %listener.local_addr()?, "listening");
     let signal = server::stop_signal()?;
-    server::serve(listener, app, &settings.server, async { _ = signal.await }).await?;
+    server::serve(listener, app, settings, async { _ = signal.await }).await.cut().await;
     telemetry.stop();
     Ok(())
 }

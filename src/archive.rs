@@ -1,15 +1,13 @@
 //! ZIP archives in memory, read within limits on the number of entries, the length of their names and the decompressed
 //! size.
 //!
-//! The directory is read entry by entry; its counts are not trusted. An entry is decompressed while it is read. Every
-//! decompressed byte counts towards one limit of the whole archive, so that overlapping or repeated entries cannot
-//! exceed it.
+//! An entry is decompressed while it is read. Every decompressed byte counts towards one limit of the whole archive, so
+//! that overlapping or repeated entries cannot exceed it.
 
-use crate::cancellation::CancelFlag;
-use rawzip::{CompressionMethod, ZipArchive, ZipArchiveEntryWayfinder, ZipSliceArchive};
-use std::cell::Cell;
 use std::fmt;
-use std::io::{self, Read};
+use std::io::{self, Cursor, Read};
+use zip::ZipArchive;
+use zip::read::ZipFile;
 
 /// The longest name of an entry, in bytes.
 const LONGEST_NAME: usize = 1024;
@@ -26,32 +24,31 @@ pub(crate) struct ArchiveLimits {
 /// The reason why an archive cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum ArchiveFault {
-    /// The directory is missing or damaged.
+    /// The directory or an entry is missing or damaged.
     Damaged(String),
+    /// An entry is encrypted, or compressed by a method other than deflate.
+    Unsupported(String),
     /// More entries than the limit.
     TooManyEntries(usize),
     /// The name of an entry is longer than [`LONGEST_NAME`].
     LongName,
     /// More bytes after inflation than the limit.
     TooLarge(u64),
-    /// An encrypted entry.
-    Encrypted,
-    /// An entry that is neither stored nor deflated.
-    Compression(u16),
 }
 
 impl fmt::Display for ArchiveFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Damaged(reason) => write!(f, "a damaged ZIP archive: {reason}"),
+            Self::Unsupported(reason) => write!(f, "an entry that is encrypted, or neither stored nor deflated: {reason}"),
             Self::TooManyEntries(limit) => write!(f, "a ZIP archive of more than {limit} entries"),
             Self::LongName => write!(f, "a ZIP archive with an entry whose name is longer than {LONGEST_NAME} bytes"),
             Self::TooLarge(limit) => write!(f, "a ZIP archive of more than {limit} bytes after inflation"),
-            Self::Encrypted => f.write_str("an encrypted entry"),
-            Self::Compression(method) => write!(f, "an entry compressed by method {method}, which is neither stored (0) nor deflated (8)"),
         }
     }
 }
+
+impl std::error::Error for ArchiveFault {}
 
 impl ArchiveFault {
     /// Whether a limit was exceeded; otherwise the format is violated.
@@ -63,28 +60,11 @@ impl ArchiveFault {
 /// An archive whose directory has been read.
 #[derive(Debug)]
 pub(crate) struct Archive<'a> {
-    zip: ZipSliceArchive<&'a [u8]>,
-    entries: Vec<ArchiveEntry>,
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+    names: Vec<String>,
     limits: ArchiveLimits,
     /// The bytes that may still be inflated.
-    left: Cell<u64>,
-    cancel: CancelFlag,
-}
-
-/// A file of an archive.
-#[derive(Debug, Clone)]
-pub(crate) struct ArchiveEntry {
-    name: String,
-    method: CompressionMethod,
-    is_encrypted: bool,
-    position: ZipArchiveEntryWayfinder,
-}
-
-impl ArchiveEntry {
-    /// The path of the file in the archive, with `/` between folders and none at the start.
-    pub(crate) fn name(&self) -> &str {
-        &self.name
-    }
+    left: u64,
 }
 
 impl<'a> Archive<'a> {
@@ -98,116 +78,86 @@ impl<'a> Archive<'a> {
     /// # Errors
     /// [`ArchiveFault`] if the directory is damaged or exceeds a limit.
     pub(crate) fn open(bytes: &'a [u8], limits: ArchiveLimits) -> Result<Self, ArchiveFault> {
-        let zip = ZipArchive::from_slice(bytes).map_err(damaged)?;
-        let mut entries = Vec::new();
-        let mut directory = zip.entries();
-        while let Some(entry) = directory.next_entry().map_err(damaged)? {
-            if entries.len() == limits.entries {
-                return Err(ArchiveFault::TooManyEntries(limits.entries));
-            }
-            let path = entry.file_path();
-            let path: &[u8] = path.as_ref();
-            if path.len() > LONGEST_NAME {
-                return Err(ArchiveFault::LongName);
-            }
-            entries.push(ArchiveEntry {
-                name: String::from_utf8_lossy(path).replace('\\', "/").trim_start_matches('/').to_owned(),
-                method: entry.compression_method(),
-                is_encrypted: entry.flags().is_encrypted(),
-                position: entry.wayfinder(),
-            });
+        // The directory is read into memory as a whole, and each of its entries begins with this mark. Compressed data
+        // contain it by chance once in 4 GiB.
+        let marks = memchr::memmem::find_iter(bytes, b"PK\x01\x02").take(limits.entries + 1).count();
+        if marks > limits.entries {
+            return Err(ArchiveFault::TooManyEntries(limits.entries));
         }
-        Ok(Self { zip, entries, limits, left: Cell::new(limits.inflated_bytes), cancel: CancelFlag::default() })
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|error| ArchiveFault::Damaged(error.to_string()))?;
+        if zip.file_names_raw().any(|name| name.len() > LONGEST_NAME) {
+            return Err(ArchiveFault::LongName);
+        }
+        let name = |raw: &[u8]| String::from_utf8_lossy(raw).replace('\\', "/").trim_start_matches('/').to_owned();
+        let names = zip.file_names_raw().map(name).collect();
+        Ok(Self { zip, names, limits, left: limits.inflated_bytes })
     }
 
-    /// The same archive with a cancel flag: once `cancel` is set, reading fails.
-    pub(crate) fn until(self, cancel: &CancelFlag) -> Self {
-        Self { cancel: cancel.clone(), ..self }
+    /// The paths of the files in the archive, in the order of its directory, with `/` between folders and none at the
+    /// start; folders are left out.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().map(String::as_str).filter(|name| !name.ends_with('/'))
     }
 
-    /// The files of the archive, in the order of its directory; folders are left out.
-    pub(crate) fn files(&self) -> impl Iterator<Item = &ArchiveEntry> {
-        self.entries.iter().filter(|entry| !entry.name.ends_with('/'))
-    }
-
-    /// The file with this name. Case is ignored, as 3MF compares the names of parts.
-    pub(crate) fn file(&self, name: &str) -> Option<&ArchiveEntry> {
+    /// The path of the file with this name. Case is ignored, as 3MF compares the names of parts.
+    pub(crate) fn file(&self, name: &str) -> Option<&str> {
         let name = name.trim_start_matches('/');
-        self.files().find(|entry| entry.name.eq_ignore_ascii_case(name))
+        self.files().find(|file| file.eq_ignore_ascii_case(name))
     }
 
-    /// Starts to inflate a file.
+    /// Starts to inflate the file with this path.
     ///
     /// # Errors
-    /// [`ArchiveFault`] if the file's data are damaged, encrypted, or compressed by another method than deflate.
-    pub(crate) fn read(&self, entry: &ArchiveEntry) -> Result<Inflating<'_>, ArchiveFault> {
-        if entry.is_encrypted {
-            return Err(ArchiveFault::Encrypted);
-        }
-        let local = self.zip.get_entry(entry.position).map_err(damaged)?;
-        let content = match entry.method {
-            CompressionMethod::STORE => Content::Stored(local.data()),
-            CompressionMethod::DEFLATE => Content::Deflated(flate2::bufread::DeflateDecoder::new(local.data())),
-            other => return Err(ArchiveFault::Compression(other.as_u16())),
-        };
-        Ok(Inflating { content: local.verifying_reader(content), left: &self.left, cancel: &self.cancel })
+    /// [`ArchiveFault`] if there is no such file, or its data are damaged, encrypted, or compressed by another method
+    /// than deflate.
+    pub(crate) fn read(&mut self, path: &str) -> Result<Inflating<'_, 'a>, ArchiveFault> {
+        let missing = || ArchiveFault::Damaged(format!("no file {path}"));
+        let index = self.names.iter().position(|name| name == path).ok_or_else(missing)?;
+        let content = self.zip.by_index(index).map_err(|error| match error {
+            zip::result::ZipError::UnsupportedArchive(reason) => ArchiveFault::Unsupported(reason.to_string()),
+            error => ArchiveFault::Damaged(error.to_string()),
+        })?;
+        Ok(Inflating { content, left: &mut self.left })
     }
 
     /// The whole content of a file.
     ///
     /// # Errors
     /// As [`Archive::read`]; also if the file exceeds the limit or its checksum differs.
-    pub(crate) fn content(&self, entry: &ArchiveEntry) -> Result<Vec<u8>, ArchiveFault> {
+    pub(crate) fn content(&mut self, path: &str) -> Result<Vec<u8>, ArchiveFault> {
         let mut content = Vec::new();
-        self.read(entry)?.read_to_end(&mut content).map_err(|error| self.fault(&error))?;
+        let read = self.read(path)?.read_to_end(&mut content);
+        read.map_err(|error| self.limits.fault(&error))?;
         Ok(content)
     }
 
+    /// The limits of the archive.
+    pub(crate) fn limits(&self) -> ArchiveLimits {
+        self.limits
+    }
+}
+
+impl ArchiveLimits {
     /// The fault that caused an error of [`Inflating`].
-    pub(crate) fn fault(&self, error: &io::Error) -> ArchiveFault {
+    pub(crate) fn fault(self, error: &io::Error) -> ArchiveFault {
         match error.kind() {
-            io::ErrorKind::FileTooLarge => ArchiveFault::TooLarge(self.limits.inflated_bytes),
+            io::ErrorKind::FileTooLarge => ArchiveFault::TooLarge(self.inflated_bytes),
             _ => ArchiveFault::Damaged(error.to_string()),
         }
     }
 }
 
-fn damaged(error: impl fmt::Display) -> ArchiveFault {
-    ArchiveFault::Damaged(error.to_string())
-}
-
 /// A file of an archive that is being inflated. Reading fails with [`io::ErrorKind::FileTooLarge`] beyond the archive's
-/// limit, and at the end if size or checksum differ from the directory's.
-pub(crate) struct Inflating<'a> {
-    content: rawzip::ZipSliceVerifier<Content<'a>>,
-    left: &'a Cell<u64>,
-    cancel: &'a CancelFlag,
+/// limit, and at the end if the checksum differs from the directory's.
+pub(crate) struct Inflating<'r, 'a> {
+    content: ZipFile<'r, Cursor<&'a [u8]>>,
+    left: &'r mut u64,
 }
 
-enum Content<'a> {
-    Stored(&'a [u8]),
-    Deflated(flate2::bufread::DeflateDecoder<&'a [u8]>),
-}
-
-impl Read for Content<'_> {
+impl Read for Inflating<'_, '_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        match self {
-            Self::Stored(bytes) => bytes.read(buffer),
-            Self::Deflated(decoder) => decoder.read(buffer),
-        }
-    }
-}
-
-impl Read for Inflating<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if self.cancel.is_cancelled() {
-            return Err(io::Error::other("it is no longer needed"));
-        }
         let read = self.content.read(buffer)?;
-        match self.left.get().checked_sub(read as u64) {
-            Some(left) => self.left.set(left),
-            None => return Err(io::ErrorKind::FileTooLarge.into()),
-        }
+        *self.left = self.left.checked_sub(read as u64).ok_or(io::ErrorKind::FileTooLarge)?;
         Ok(read)
     }
 }

@@ -92,11 +92,11 @@
 //! ```
 
 mod archive;
+pub mod budget;
 pub mod cancellation;
 pub mod health;
 pub mod http;
-mod json_text;
-pub mod memory_budget;
+mod json;
 pub mod milling;
 pub mod motion;
 pub mod numerics;

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use scallopd::http::{self, AppState};
 use scallopd::server::App;
-use scallopd::settings::{Command, CommandLineError, OpenApiVersion, ServerSettings, Settings};
+use scallopd::settings::{Command, CommandLineError, OpenApiVersion, Settings, unknown_variables};
 use scallopd::telemetry::Telemetry;
 use scallopd::{health, server};
 use tokio::net::{TcpListener, TcpSocket};
@@ -20,8 +20,8 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 /// The length of the queue of connections to accept; the system may allow fewer.
 const BACKLOG: u32 = 4096;
 
-/// The largest number of connections to the address for probes and scrapes.
-const HEALTH_CONNECTIONS: usize = 64;
+/// The largest number of requests in flight at the address for probes and scrapes.
+const HEALTH_REQUESTS: usize = 16;
 
 /// The variable of the allocator's delay before it returns freed memory.
 #[cfg(unix)]
@@ -39,7 +39,7 @@ fn main() -> ExitCode {
         Ok(Command::OpenApi(version)) => {
             let document = match version {
                 OpenApiVersion::V3_1 => http::openapi_json(),
-                OpenApiVersion::V3_0 => http::openapi_3_0_json(),
+                OpenApiVersion::V3_0 => http::OPENAPI_3_0_JSON.to_owned(),
             };
             exit(std::io::stdout().write_all(document.as_bytes()).map(|()| true))
         }
@@ -82,35 +82,38 @@ fn exit(outcome: std::io::Result<bool>) -> ExitCode {
 
 fn run(settings: &Settings) -> std::io::Result<bool> {
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
-    let telemetry = runtime.block_on(async { Telemetry::start(&settings.telemetry) })?;
+    let telemetry = Telemetry::start(settings)?;
     let served = runtime.block_on(serve(settings));
     telemetry.stop();
     served.map(|()| true)
 }
 
 async fn serve(settings: &Settings) -> std::io::Result<()> {
-    let state = AppState::start(&settings.http)?;
-    let app = |routes| App {
-        router: http::service(routes, &settings.http, &state),
-        refuse: http::refusals(&state),
-        budget: state.budget.clone(),
-    };
+    let state = AppState::start(settings)?;
+    let app = |routes| App { router: http::service(routes, settings, &state), refuse: http::refusals(&state) };
     let routes = if settings.health_listen.is_some() { http::public_routes() } else { http::routes() };
     let public = app(routes);
     let signal = server::stop_signal()?;
-    let listener = listen(settings.listen)?;
+    let listener = listen(settings.listen).map_err(|error| cannot_listen("--listen", settings.listen, &error))?;
     tracing::info!(address = %listener.local_addr()?, version = env!("CARGO_PKG_VERSION"), "listening");
-    let health = settings.health_listen.map(|address| serve_health(address, app(http::health_routes()), &settings.server)).transpose()?;
+    for variable in unknown_variables() {
+        tracing::warn!(variable, "no setting has this variable");
+    }
+    let health = settings.health_listen.map(|address| serve_health(address, app(http::health_routes()), settings)).transpose()?;
     let stop = async {
         let signal = signal.await;
-        tracing::info!(signal, drain_delay_s = settings.server.drain_delay.as_secs(), "draining");
+        tracing::info!(signal, drain_delay_s = settings.drain_delay_s.as_secs(), "draining");
         state.readiness.drain();
-        tokio::time::sleep(settings.server.drain_delay).await;
+        tokio::time::sleep(settings.drain_delay_s).await;
     };
-    let served = server::serve(listener, public, &settings.server, stop).await;
+    let remaining = server::serve(listener, public, settings, stop).await;
+    if !remaining.is_empty() {
+        state.readiness.end();
+    }
+    remaining.cut().await;
     // Probes are answered until the last request has been answered.
     drop(health);
-    served
+    Ok(())
 }
 
 /// Listens at `address`. The queue absorbs bursts of connections; if it is full, clients try again after a second.
@@ -123,12 +126,16 @@ fn listen(address: SocketAddr) -> std::io::Result<TcpListener> {
     socket.listen(BACKLOG)
 }
 
+fn cannot_listen(flag: &str, address: SocketAddr, error: &std::io::Error) -> std::io::Error {
+    std::io::Error::new(error.kind(), format!("cannot listen on {address} ({flag}): {error}"))
+}
+
 /// Serves probes and metrics on a separate thread until the sender is dropped, so that they are answered under any
 /// load.
-fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std::io::Result<oneshot::Sender<()>> {
-    let settings = ServerSettings { max_connections: HEALTH_CONNECTIONS, shutdown_grace: Duration::ZERO, ..settings.clone() };
+fn serve_health(address: SocketAddr, app: App, settings: &Settings) -> std::io::Result<oneshot::Sender<()>> {
+    let settings = Settings { max_in_flight: HEALTH_REQUESTS, shutdown_grace_s: Some(Duration::ZERO), ..settings.clone() };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    let listener = std::net::TcpListener::bind(address)?;
+    let listener = std::net::TcpListener::bind(address).map_err(|error| cannot_listen("--health-listen", address, &error))?;
     listener.set_nonblocking(true)?;
     let (stop, stopped) = oneshot::channel::<()>();
     tracing::info!(address = %listener.local_addr()?, "listening for probes");
@@ -136,7 +143,8 @@ fn serve_health(address: SocketAddr, app: App, settings: &ServerSettings) -> std
         runtime.block_on(async {
             let listener = TcpListener::from_std(listener)?;
             // An error means that the sender was dropped.
-            server::serve(listener, app, &settings, async { _ = stopped.await }).await
+            server::serve(listener, app, &settings, async { _ = stopped.await }).await.cut().await;
+            Ok::<_, std::io::Error>(())
         })
     };
     let log = move || {

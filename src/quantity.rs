@@ -31,166 +31,117 @@ impl OutOfRange {
     }
 }
 
-/// A length: finite and not negative, in millimetres.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct Length(f64);
+/// Declares a quantity: its checked constructor with the bounds, its constructor for computed values, and its value in
+/// the internal unit.
+macro_rules! quantity {
+    (
+        $(#[$about:meta])* $name:ident: $get:ident in $unit:literal;
+        $( stated: $from:ident($number:ident in $stated_unit:literal: $smallest:literal to $largest:literal) = $inside:expr; )?
+        $( computed: at least $least:expr; )?
+    ) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+        pub struct $name(f64);
+
+        impl $name {
+            $(
+                #[doc = concat!("The smallest value that is accepted, in ", $stated_unit, ".")]
+                pub const SMALLEST: f64 = $smallest;
+                #[doc = concat!("The largest value that is accepted, in ", $stated_unit, ".")]
+                pub const LARGEST: f64 = $largest;
+
+                #[doc = concat!("A user-supplied value, in ", $stated_unit, ".")]
+                ///
+                /// # Errors
+                #[doc = concat!("[`OutOfRange`] outside [`", stringify!($name), "::SMALLEST`] to [`", stringify!($name), "::LARGEST`].")]
+                pub const fn $from($number: f64) -> Result<Self, OutOfRange> {
+                    match OutOfRange::check($number, Self::SMALLEST, Self::LARGEST) {
+                        Ok($number) => Ok(Self($inside)),
+                        Err(bounds) => Err(bounds),
+                    }
+                }
+            )?
+
+            $(
+                #[doc = concat!("A computed value, in ", $unit, ". The formula's domain makes it finite, and large enough.")]
+                pub(crate) fn computed(value: f64) -> Self {
+                    debug_assert!(value.is_finite() && value >= $least, concat!(stringify!($name), " cannot be {}"), value);
+                    Self(value)
+                }
+            )?
+
+            #[doc = concat!("The value in ", $unit, ".")]
+            #[must_use]
+            pub fn $get(self) -> f64 {
+                self.0
+            }
+        }
+    };
+}
+
+quantity! {
+    /// A length: finite and not negative, in millimetres. A user-supplied length (a dimension, a setting, a tolerance) is
+    /// from 1 nm to 1 km.
+    Length: mm in "mm";
+    stated: from_mm(mm in "mm": 1e-6 to 1e6) = mm;
+    computed: at least 0.0;
+}
 
 impl Length {
     /// Zero length. Only results can be zero: a user-supplied length is at least [`Length::SMALLEST`].
     pub const ZERO: Self = Self(0.0);
-    /// The smallest length that is accepted, 1 nm, in mm.
-    pub const SMALLEST: f64 = 1e-6;
-    /// The largest length that is accepted, 1 km, in mm.
-    pub const LARGEST: f64 = 1e6;
-
-    /// A user-supplied length (a dimension, a setting, a tolerance), from 1 nm to 1 km, in mm.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] outside these bounds.
-    pub fn from_mm(mm: f64) -> Result<Self, OutOfRange> {
-        OutOfRange::check(mm, Self::SMALLEST, Self::LARGEST).map(Self)
-    }
-
-    /// A computed length. The formula's domain makes it finite and not negative.
-    pub(crate) fn computed(mm: f64) -> Self {
-        debug_assert!(mm.is_finite() && mm >= 0.0, "a computed length must be finite and not negative, got {mm}");
-        Self(mm)
-    }
-
-    /// The length in mm.
-    #[must_use]
-    pub fn mm(self) -> f64 {
-        self.0
-    }
 }
 
-impl std::ops::Add for Length {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self::computed(self.0 + other.0)
-    }
+quantity! {
+    /// An area: finite and not negative, in mm^2. The bounds of a user-supplied area are the squares of a length's.
+    Area: mm2 in "mm^2";
+    stated: from_mm2(mm2 in "mm^2": 1e-12 to 1e12) = mm2;
+    computed: at least 0.0;
 }
 
-/// An area: finite and not negative, in mm^2.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct Area(f64);
-
-impl Area {
-    /// The smallest area that is accepted, the square of [`Length::SMALLEST`], in mm^2.
-    pub const SMALLEST: f64 = 1e-12;
-    /// The largest area that is accepted, the square of [`Length::LARGEST`], in mm^2.
-    pub const LARGEST: f64 = 1e12;
-
-    /// A user-supplied area, in mm^2.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] outside [`Area::SMALLEST`] to [`Area::LARGEST`].
-    pub fn from_mm2(mm2: f64) -> Result<Self, OutOfRange> {
-        OutOfRange::check(mm2, Self::SMALLEST, Self::LARGEST).map(Self)
-    }
-
-    /// A computed area. The formula's domain makes it finite and not negative.
-    pub(crate) fn computed(mm2: f64) -> Self {
-        debug_assert!(mm2.is_finite() && mm2 >= 0.0, "a computed area must be finite and not negative, got {mm2}");
-        Self(mm2)
-    }
-
-    /// The area in mm^2.
-    #[must_use]
-    pub fn mm2(self) -> f64 {
-        self.0
-    }
+quantity! {
+    /// The form factor mu of a rectangle, or of the equivalent rectangle of a surface: long side over short side, at
+    /// least 1. The largest is that of a rectangle 1 mm wide and 1 km long.
+    FormFactor: ratio in "long sides over short sides";
+    stated: new(mu in "long sides over short sides": 1.0 to 1e6) = mu;
+    computed: at least 1.0;
 }
-
-/// The form factor mu of a rectangle, or of the equivalent rectangle of a surface: long side over short side, at least 1.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct FormFactor(f64);
 
 impl FormFactor {
     /// The form factor of a square.
     pub const SQUARE: Self = Self(1.0);
-    /// The largest form factor that is accepted: 1 mm wide and 1 km long.
-    pub const LARGEST: f64 = 1e6;
-
-    /// A user-supplied form factor, from 1 to [`FormFactor::LARGEST`].
-    ///
-    /// # Errors
-    /// [`OutOfRange`] outside these bounds.
-    pub fn new(mu: f64) -> Result<Self, OutOfRange> {
-        OutOfRange::check(mu, 1.0, Self::LARGEST).map(Self)
-    }
-
-    /// A computed form factor. The formula's domain makes it finite and at least 1.
-    pub(crate) fn computed(mu: f64) -> Self {
-        debug_assert!(mu.is_finite() && mu >= 1.0, "a computed form factor must be finite and at least 1, got {mu}");
-        Self(mu)
-    }
-
-    /// mu, the long side over the short side.
-    #[must_use]
-    pub fn ratio(self) -> f64 {
-        self.0
-    }
 }
 
-/// A computed span of time: finite and not negative, in seconds.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct Time(f64);
-
-impl Time {
-    /// A computed time. The formula's domain makes it finite and not negative.
-    pub(crate) fn computed(seconds: f64) -> Self {
-        debug_assert!(seconds.is_finite() && seconds >= 0.0, "a computed time must be finite and not negative, got {seconds}");
-        Self(seconds)
-    }
-
-    /// The time in seconds.
-    #[must_use]
-    pub fn seconds(self) -> f64 {
-        self.0
-    }
+quantity! {
+    /// A computed span of time: finite and not negative, in seconds.
+    Time: seconds in "s";
+    computed: at least 0.0;
 }
 
-impl std::ops::Add for Time {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self::computed(self.0 + other.0)
-    }
+/// Adds quantities of which the sum of two is another.
+macro_rules! sums {
+    ($($name:ident),+) => {
+        $(
+            impl std::ops::Add for $name {
+                type Output = Self;
+                fn add(self, other: Self) -> Self {
+                    Self::computed(self.0 + other.0)
+                }
+            }
+        )+
+    };
 }
+sums!(Length, Time);
 
-/// A speed of a machine: positive. The internal unit is mm/s; feed rates are given in mm/min.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct Speed(f64);
+quantity! {
+    /// A speed of a machine: positive, at most a kilometre a minute. The internal unit is mm/s; feed rates are given in
+    /// mm/min.
+    Speed: mm_s in "mm/s";
+    stated: from_mm_min(mm_min in "mm/min": 1e-3 to 1e6) = mm_min / 60.0;
+    computed: at least f64::MIN_POSITIVE;
+}
 
 impl Speed {
-    /// The smallest speed that is accepted, in mm/min.
-    pub const SMALLEST: f64 = 1e-3;
-    /// The largest speed that is accepted, in mm/min: a kilometre a minute.
-    pub const LARGEST: f64 = 1e6;
-
-    /// A user-supplied speed, in mm/min.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] outside [`Speed::SMALLEST`] to [`Speed::LARGEST`].
-    pub const fn from_mm_min(mm_min: f64) -> Result<Self, OutOfRange> {
-        match OutOfRange::check(mm_min, Self::SMALLEST, Self::LARGEST) {
-            Ok(mm_min) => Ok(Self(mm_min / 60.0)),
-            Err(bounds) => Err(bounds),
-        }
-    }
-
-    /// A computed speed, in mm/s. The formula's domain makes it finite and positive.
-    pub(crate) fn computed(mm_s: f64) -> Self {
-        debug_assert!(mm_s.is_finite() && mm_s > 0.0, "a computed speed must be finite and positive, got {mm_s}");
-        Self(mm_s)
-    }
-
-    /// The speed in mm/s.
-    #[must_use]
-    pub fn mm_s(self) -> f64 {
-        self.0
-    }
-
     /// The speed in mm/min.
     #[must_use]
     pub fn mm_min(self) -> f64 {
@@ -198,85 +149,23 @@ impl Speed {
     }
 }
 
-/// The rotational speed of a spindle: positive, in revolutions per minute.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct SpindleSpeed(f64);
-
-impl SpindleSpeed {
-    /// The smallest spindle speed that is accepted, in rev/min.
-    pub const SMALLEST: f64 = 1e-3;
-    /// The largest spindle speed that is accepted, in rev/min; air-bearing spindles reach 3e5.
-    pub const LARGEST: f64 = 1e6;
-
-    /// A user-supplied spindle speed, in rev/min.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] outside [`SpindleSpeed::SMALLEST`] to [`SpindleSpeed::LARGEST`].
-    pub fn from_rpm(rpm: f64) -> Result<Self, OutOfRange> {
-        OutOfRange::check(rpm, Self::SMALLEST, Self::LARGEST).map(Self)
-    }
-
-    /// The spindle speed in rev/min.
-    #[must_use]
-    pub fn rpm(self) -> f64 {
-        self.0
-    }
+quantity! {
+    /// The rotational speed of a spindle: positive, in revolutions per minute. Air-bearing spindles reach 3e5.
+    SpindleSpeed: rpm in "rev/min";
+    stated: from_rpm(rpm in "rev/min": 1e-3 to 1e6) = rpm;
 }
 
-/// An acceleration of a machine: positive. The internal unit is mm/s^2; data sheets give m/s^2.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct Acceleration(f64);
-
-impl Acceleration {
-    /// The smallest acceleration that is accepted, in m/s^2.
-    pub const SMALLEST: f64 = 1e-4;
-    /// The largest acceleration that is accepted, in m/s^2.
-    pub const LARGEST: f64 = 1e5;
-
-    /// A user-supplied acceleration, in m/s^2.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] outside [`Acceleration::SMALLEST`] to [`Acceleration::LARGEST`].
-    pub const fn from_m_s2(m_s2: f64) -> Result<Self, OutOfRange> {
-        match OutOfRange::check(m_s2, Self::SMALLEST, Self::LARGEST) {
-            Ok(m_s2) => Ok(Self(m_s2 * 1e3)),
-            Err(bounds) => Err(bounds),
-        }
-    }
-
-    /// The acceleration in mm/s^2.
-    #[must_use]
-    pub fn mm_s2(self) -> f64 {
-        self.0
-    }
+quantity! {
+    /// An acceleration of a machine: positive. The internal unit is mm/s^2; data sheets give m/s^2.
+    Acceleration: mm_s2 in "mm/s^2";
+    stated: from_m_s2(m_s2 in "m/s^2": 1e-4 to 1e5) = m_s2 * 1e3;
 }
 
-/// A jerk, the rate of change of the acceleration: positive. The internal unit is mm/s^3; data sheets give m/s^3.
-#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub struct Jerk(f64);
-
-impl Jerk {
-    /// The smallest jerk that is accepted, in m/s^3.
-    pub const SMALLEST: f64 = 1e-4;
-    /// The largest jerk that is accepted, in m/s^3: in practice a control without a jerk limit.
-    pub const LARGEST: f64 = 1e8;
-
-    /// A user-supplied jerk, in m/s^3.
-    ///
-    /// # Errors
-    /// [`OutOfRange`] outside [`Jerk::SMALLEST`] to [`Jerk::LARGEST`].
-    pub const fn from_m_s3(m_s3: f64) -> Result<Self, OutOfRange> {
-        match OutOfRange::check(m_s3, Self::SMALLEST, Self::LARGEST) {
-            Ok(m_s3) => Ok(Self(m_s3 * 1e3)),
-            Err(bounds) => Err(bounds),
-        }
-    }
-
-    /// The jerk in mm/s^3.
-    #[must_use]
-    pub fn mm_s3(self) -> f64 {
-        self.0
-    }
+quantity! {
+    /// A jerk, the rate of change of the acceleration: positive. The internal unit is mm/s^3; data sheets give m/s^3. The
+    /// largest is in practice a control without a jerk limit.
+    Jerk: mm_s3 in "mm/s^3";
+    stated: from_m_s3(m_s3 in "m/s^3": 1e-4 to 1e8) = m_s3 * 1e3;
 }
 
 /// An angle with its sine and cosine, exact at quarter turns: the cosine of 90 deg is 0, not 6e-17, so that a vertical

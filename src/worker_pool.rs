@@ -20,6 +20,13 @@ use crate::priority;
 /// The largest number of threads for each permit. More would hardly reduce the time.
 const MAX_THREADS_PER_REQUEST: usize = 8;
 
+/// The largest number of recommendations that are computed at once.
+const MAX_PLANS: usize = 4;
+
+/// The largest number of files that are read at once. A thread waits for the data of its file, so that there are more
+/// of them than cores.
+const READERS: usize = 32;
+
 /// The worker threads and the permits to use them. Clones share both.
 #[derive(Debug, Clone)]
 pub struct WorkerPool(Arc<Shared>);
@@ -29,11 +36,13 @@ struct Shared {
     /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
     permits: Arc<Semaphore>,
-    /// The permits that recommendations may use: half of all. That many at once keep all cores busy, and batches still
-    /// find a permit.
+    /// The permits that recommendations may use. Each uses all cores, so that few suffice; batches find the others.
     plans: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
     pieces: ThreadPool,
+    /// The threads on which files are read, and their permits.
+    readers: ThreadPool,
+    reader_permits: Arc<Semaphore>,
     threads_of_a_permit: usize,
 }
 
@@ -64,8 +73,10 @@ impl WorkerPool {
         let shared = Shared {
             free: Mutex::new(free),
             permits: Arc::new(Semaphore::new(most)),
-            plans: Arc::new(Semaphore::new(most.div_ceil(2))),
+            plans: Arc::new(Semaphore::new(most.div_ceil(2).min(MAX_PLANS))),
             pieces: threads("piece", cores)?,
+            readers: threads("reader", READERS)?,
+            reader_permits: Arc::new(Semaphore::new(READERS)),
             threads_of_a_permit,
         };
         Ok(Self(Arc::new(shared)))
@@ -97,12 +108,11 @@ impl WorkerPool {
         run_on(&self.0.pieces, (), piece).await
     }
 
-    /// Runs `work` on `count` new threads instead of the permit's, because each thread takes memory.
-    ///
-    /// # Errors
-    /// The system cannot start the threads.
-    pub fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> std::io::Result<T> {
-        if count >= rayon::current_num_threads() { Ok(work()) } else { Ok(threads("few", count)?.install(work)) }
+    /// Runs `reading` on a thread that may wait for data; `None` if no thread becomes free within `longest`. Its source
+    /// must end with an error when the future is dropped.
+    pub async fn run_reader<T: Send + 'static>(&self, longest: Duration, reading: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+        let permit = acquire(&self.0.reader_permits, longest).await?;
+        Some(run_on(&self.0.readers, permit, reading).await)
     }
 }
 

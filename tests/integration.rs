@@ -3,6 +3,7 @@
 mod api;
 mod app;
 mod laws;
+mod path;
 mod planning;
 mod readers;
 mod service;

@@ -1,10 +1,11 @@
-//! Checks for every surface file, read whole and in chunks.
+//! Checks for every surface file, read whole and in pieces.
 
 #[path = "memory.rs"]
 mod memory;
 
-use scallopd::surface::read::{Fault, FormatHint, Reader, Summary};
+use scallopd::surface::read::{Fault, FormatHint, ReadError, Reader, Summary};
 use scallopd::surface::{LARGEST_COORDINATE, Sink};
+use std::io::Read;
 
 /// A sink that hashes points and facets, so that two readings can be compared without storing them.
 #[derive(Default, PartialEq, Debug)]
@@ -35,15 +36,23 @@ impl Sink for Digest {
     }
 }
 
-fn digest(file: &[u8], chunk: usize, name: &str) -> (Digest, Result<Summary, Fault>) {
-    let mut reader = Reader::new(FormatHint::new(None, Some(name))).with_vertex_limit(1_000_000);
-    let mut digest = Digest::default();
-    for chunk in file.chunks(chunk) {
-        if let Err(fault) = reader.push(chunk, &mut digest) {
-            return (digest, Err(fault));
-        }
+/// A source that delivers at most this many bytes at a time.
+struct InPieces<'a>(&'a [u8], usize);
+
+impl Read for InPieces<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let length = buffer.len().min(self.1);
+        self.0.read(&mut buffer[..length])
     }
-    let result = reader.finish(&mut digest);
+}
+
+fn digest(file: &[u8], piece: usize, name: &str) -> (Digest, Result<Summary, Fault>) {
+    let mut digest = Digest::default();
+    let reader = Reader::new(FormatHint::new(None, Some(name))).with_vertex_limit(1_000_000);
+    let result = reader.read(InPieces(file, piece), &mut digest).map_err(|error| match error {
+        ReadError::Fault(fault) => fault,
+        ReadError::Source(error) => panic!("{error}"),
+    });
     (digest, result)
 }
 
@@ -51,7 +60,7 @@ fn digest(file: &[u8], chunk: usize, name: &str) -> (Digest, Result<Summary, Fau
 /// double when they grow. A compressed file expands to some MB.
 const MOST_BYTES: usize = 64 << 20;
 
-/// Reads a file of this name whole and in chunks of a size that its own bytes choose.
+/// Reads a file of this name whole and in pieces of a size that its own bytes choose.
 pub fn read(file: &[u8], name: &str) {
     memory::bounded(MOST_BYTES, || read_twice(file, name));
 }

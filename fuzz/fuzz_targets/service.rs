@@ -10,23 +10,23 @@ use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::http::{Request, header};
 use scallopd::http::{self, AppState};
-use scallopd::settings::{Command, HttpSettings};
+use scallopd::settings::{Command, Settings};
 use tokio::runtime::Runtime;
 use tower::ServiceExt;
 
-fn defaults() -> HttpSettings {
+fn defaults() -> Settings {
     match Command::read(["scallopd"]) {
-        Ok(Command::Serve(settings)) => settings.http,
+        Ok(Command::Serve(settings)) => *settings,
         _ => panic!("the defaults cannot be used"),
     }
 }
 
-/// The runtime, the service, and the most bytes that a request may take: one request has three quarters of the budget.
+/// The runtime, the service, and the most bytes that a request may take: twice the memory budget.
 static SERVICE: LazyLock<(Runtime, Router, usize)> = LazyLock::new(|| {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
     let settings = defaults();
     let state = AppState::start(&settings).expect("threads");
-    let most = usize::try_from(state.budget.largest()).expect("bytes");
+    let most = usize::try_from(2 * settings.memory_budget).expect("bytes");
     (runtime, http::service(http::routes(), &settings, &state), most)
 });
 

@@ -2,8 +2,8 @@
 
 use super::metrics::Metrics;
 use super::readiness::Readiness;
-use crate::memory_budget::MemoryBudget;
-use crate::settings::HttpSettings;
+use crate::budget::Budget;
+use crate::settings::Settings;
 use crate::worker_pool::WorkerPool;
 use axum::extract::FromRef;
 
@@ -17,7 +17,7 @@ pub struct AppState {
     /// The threads for uploads and batches.
     pub workers: WorkerPool,
     /// The memory budget for all data whose size a client determines.
-    pub budget: MemoryBudget,
+    pub budget: Budget,
 }
 
 impl AppState {
@@ -25,8 +25,8 @@ impl AppState {
     ///
     /// # Errors
     /// The system cannot start the threads.
-    pub fn start(settings: &HttpSettings) -> std::io::Result<Self> {
-        let budget = MemoryBudget::new(settings.memory_budget_bytes);
+    pub fn start(settings: &Settings) -> std::io::Result<Self> {
+        let budget = Budget::new(settings.memory_budget);
         let metrics = Metrics::new(&budget);
         let workers = WorkerPool::start(settings.max_concurrent_work)?;
         Ok(Self { metrics, readiness: Readiness::default(), workers, budget })

@@ -1,37 +1,46 @@
-//! Collects a request's body into one buffer, whose memory is reserved in the budget as it grows.
+//! Collects a request's body into one buffer, within the memory budget.
 
-use axum::body::{Body, Bytes, HttpBody};
+use axum::body::{Body, Bytes};
 use http_body_util::BodyExt;
 
 use super::codes::ServiceProblem;
 use super::problem::Problem;
-use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reserved};
-
-/// The initial capacity for a body in several pieces.
-const FIRST_CAPACITY: usize = 64 * 1024;
+use crate::budget::{Budget, FREE_INPUT, Held, Job, LONGEST_WAIT};
 
 /// The number of bytes collected before the task yields: less than a millisecond of decompression.
 const TURN: usize = 64 * 1024;
 
-/// Collects `body`. Its memory returns to the budget when the last reference to it is dropped.
-pub(super) async fn collect(mut body: Body, budget: &MemoryBudget) -> Result<Bytes, Problem> {
-    let Some(first) = next_data(&mut body).await? else { return Ok(Bytes::new()) };
-    if body.is_end_stream() {
-        return Ok(first);
+/// A body with its share of the memory.
+struct Collected {
+    bytes: Vec<u8>,
+    held: Held,
+}
+
+impl AsRef<[u8]> for Collected {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
     }
-    let mut collected = Reserved { bytes: Vec::new(), reservation: budget.open() };
-    let mut piece = Some(first);
+}
+
+/// Collects `body`, of `stated` bytes if the client states its length and does not compress it. The memory is taken
+/// before the body is read if its length is known, otherwise as it arrives; it is returned when the last reference to
+/// the bytes is dropped.
+pub(super) async fn collect(mut body: Body, stated: Option<u64>, budget: &Budget) -> Result<Bytes, Problem> {
+    let stated = stated.unwrap_or(0);
+    let held = budget.take(Job::Body { bytes: stated }, LONGEST_WAIT).await?;
+    let capacity = usize::try_from(stated.min(FREE_INPUT)).unwrap_or(0);
+    let mut collected = Collected { bytes: Vec::with_capacity(capacity), held };
     let mut turn = 0;
-    while let Some(data) = piece {
+    while let Some(data) = next_data(&mut body).await? {
+        collected.held.grow_input((collected.bytes.len() + data.len()) as u64)?;
+        collected.bytes.extend_from_slice(&data);
         turn += data.len();
-        append(&mut collected, &data, body.size_hint().exact())?;
         drop(data);
         if turn >= TURN {
             // Decompression returns data without waiting, so this yields to other tasks.
             tokio::task::yield_now().await;
             turn = 0;
         }
-        piece = next_data(&mut body).await?;
     }
     Ok(Bytes::from_owner(collected))
 }
@@ -49,31 +58,13 @@ pub(super) async fn next_data(body: &mut Body) -> Result<Option<Bytes>, Problem>
     Ok(None)
 }
 
-/// Appends `data`; `to_come` is the number of bytes that follow, if known.
-fn append(collected: &mut Reserved<Vec<u8>>, data: &[u8], to_come: Option<u64>) -> Result<(), BudgetExceeded> {
-    let length = collected.bytes.len() + data.len();
-    if length > collected.bytes.capacity() {
-        // The stated length limits the growth, but is not reserved at once: the client may send less.
-        let known = to_come.and_then(|to_come| usize::try_from(to_come).ok()).map(|to_come| length.saturating_add(to_come));
-        let doubled = (2 * length).max(FIRST_CAPACITY);
-        let capacity = known.map_or(doubled, |known| known.min(doubled));
-        // Both buffers are reserved while the bytes move from one to the other.
-        collected.reservation.grow(capacity as u64)?;
-        collected.bytes.reserve_exact(capacity - collected.bytes.len());
-        collected.reservation.shrink_to(capacity as u64);
-    }
-    collected.bytes.extend_from_slice(data);
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use http_body_util::channel::Channel;
 
     use super::*;
 
-    /// The result for a body of `count` pieces of `size` bytes without a stated length, and the memory reserved while
-    /// it is held.
+    /// The result for a body of `count` pieces of `size` bytes without a stated length, and the memory held with it.
     async fn collected(count: usize, size: usize, budget: u64) -> (Result<usize, Problem>, u64) {
         let (mut sender, channel) = Channel::<Bytes, axum::BoxError>::new(1);
         let sending = tokio::spawn(async move {
@@ -83,25 +74,23 @@ mod tests {
                 }
             }
         });
-        let budget = MemoryBudget::new(budget);
-        let whole = collect(Body::new(channel), &budget).await;
+        let budget = Budget::new(budget);
+        let whole = collect(Body::new(channel), None, &budget).await;
         sending.await.unwrap();
-        let reserved = budget.reserved();
-        (whole.map(|bytes| bytes.len()), reserved)
+        let held = budget.held();
+        (whole.map(|bytes| bytes.len()), held)
     }
 
     #[tokio::test]
-    async fn a_body_is_reserved_as_long_as_it_is_held() {
-        let (length, reserved) = collected(100, 10_000, 4_000_000).await;
-        assert_eq!(length.unwrap(), 1_000_000);
-        // At most twice the length of the body.
-        assert!((1_000_000..=2_000_000).contains(&reserved), "{reserved}");
+    async fn memory_is_held_as_long_as_the_body() {
+        let (length, held) = collected(500, 10_000, 64 << 20).await;
+        assert_eq!((length.unwrap(), held), (5_000_000, 5 << 20));
     }
 
     #[tokio::test]
     async fn a_body_that_does_not_fit_is_refused_and_its_memory_is_free() {
-        let (length, reserved) = collected(100, 10_000, 500_000).await;
+        let (length, held) = collected(500, 10_000, 8 << 20).await;
         assert!(length.is_err());
-        assert_eq!(reserved, 0);
+        assert_eq!(held, 0);
     }
 }

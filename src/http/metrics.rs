@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::State;
-use axum::http::{Method, StatusCode, header};
+use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use prometheus_client::collector::Collector;
 use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, EncodeMetric, text};
@@ -18,11 +18,12 @@ use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 
 use super::overload::Overload;
-use crate::memory_budget::MemoryBudget;
+use crate::budget::Budget;
+use crate::telemetry;
 
 /// Upper bounds of the histogram's buckets, in s: from a single calculation to the request time-out.
-const DURATIONS: [f64; 18] =
-    [0.000_1, 0.000_25, 0.000_5, 0.001, 0.002_5, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0, 60.0];
+/// Each route and status has a series for each, so that they are few.
+const DURATIONS: [f64; 11] = [0.000_1, 0.000_5, 0.001, 0.002_5, 0.01, 0.05, 0.1, 0.5, 2.5, 10.0, 60.0];
 
 /// The label of requests that no route matches, so that arbitrary paths create no new series.
 pub(crate) const UNMATCHED: &str = "unmatched";
@@ -63,7 +64,7 @@ struct Counters {
 impl Metrics {
     /// Counters at zero, and the state of `budget`.
     #[must_use]
-    pub fn new(budget: &MemoryBudget) -> Self {
+    pub fn new(budget: &Budget) -> Self {
         let requests = Family::default();
         let durations = Durations::new_with_constructor(|| Histogram::new(DURATIONS));
         let in_flight = Gauge::default();
@@ -89,6 +90,7 @@ impl Metrics {
             Info::new([("version", version), ("revision", revision)]),
         );
         registry.register_collector(Box::new(BudgetMetrics(budget.clone())));
+        registry.register_collector(Box::new(LogMetrics));
         #[cfg(target_os = "linux")]
         registry.register_collector(Box::new(crate::telemetry::process_metrics::ProcessMetrics));
         Self(Arc::new(Counters { registry, requests, durations, in_flight, shed, upload_bytes, upload_facets }))
@@ -131,16 +133,55 @@ impl Metrics {
 
 /// The state of the memory budget at each scrape.
 #[derive(Debug)]
-struct BudgetMetrics(MemoryBudget);
+struct BudgetMetrics(Budget);
 
 impl Collector for BudgetMetrics {
     fn encode(&self, mut encoder: DescriptorEncoder) -> Result<(), std::fmt::Error> {
         let reserved =
-            encoder.encode_descriptor("scallopd_memory_reserved", "Memory reserved for requests", Some(&Unit::Bytes), MetricType::Gauge)?;
-        ConstGauge::new(self.0.reserved()).encode(reserved)?;
-        let refusals = encoder.encode_descriptor("scallopd_memory_refusals", "Reservations refused", None, MetricType::Counter)?;
+            encoder.encode_descriptor("scallopd_memory_held", "Memory held by requests", Some(&Unit::Bytes), MetricType::Gauge)?;
+        ConstGauge::new(self.0.held()).encode(reserved)?;
+        let refusals =
+            encoder.encode_descriptor("scallopd_memory_refusals", "Requests refused for lack of memory", None, MetricType::Counter)?;
         ConstCounter::new(self.0.refusals()).encode(refusals)
     }
+}
+
+/// The state of the log at each scrape.
+#[derive(Debug)]
+struct LogMetrics;
+
+impl Collector for LogMetrics {
+    fn encode(&self, mut encoder: DescriptorEncoder) -> Result<(), std::fmt::Error> {
+        let help = "Log lines dropped because their reader was too slow";
+        let dropped = encoder.encode_descriptor("scallopd_log_lines_dropped", help, None, MetricType::Counter)?;
+        ConstCounter::new(telemetry::dropped_lines()).encode(dropped)
+    }
+}
+
+/// OpenMetrics text in the format 0.0.4, in which the names of counters end in `_total` in comments, too, and
+/// informations are gauges.
+fn in_older_format(page: &str) -> String {
+    let mut older = String::with_capacity(page.len());
+    let mut help = "";
+    for line in page.lines().filter(|line| !line.starts_with("# UNIT") && *line != "# EOF") {
+        let words: Vec<&str> = line.splitn(4, ' ').collect();
+        match words[..] {
+            ["#", "HELP", _, text] => help = text,
+            ["#", "TYPE", name, kind] => {
+                let (suffix, kind) = match kind {
+                    "counter" => ("_total", kind),
+                    "info" => ("_info", "gauge"),
+                    _ => ("", kind),
+                };
+                older.extend(["# HELP ", name, suffix, " ", help, "\n# TYPE ", name, suffix, " ", kind, "\n"]);
+            }
+            _ => {
+                older += line;
+                older.push('\n');
+            }
+        }
+    }
+    older
 }
 
 /// The label of a method; unknown methods create no new series.
@@ -156,8 +197,13 @@ pub(crate) fn method_label(method: &Method) -> &'static str {
     get, path = "/metrics", tag = "service", operation_id = "metrics",
     responses((status = 200, description = "The metrics", body = String, content_type = "application/openmetrics-text", example = json!("scallopd_http_requests_in_flight 0\n# EOF\n"))),
 )]
-pub async fn show(State(metrics): State<Metrics>) -> Response {
+pub async fn show(State(metrics): State<Metrics>, headers: HeaderMap) -> Response {
+    let accept = headers.get(header::ACCEPT).and_then(|accept| accept.to_str().ok()).unwrap_or_default();
+    let is_older = accept.contains("text/plain") && !accept.contains("application/openmetrics-text");
     match metrics.text() {
+        Ok(page) if is_older => {
+            ([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], in_older_format(&page)).into_response()
+        }
         Ok(page) => ([(header::CONTENT_TYPE, "application/openmetrics-text; version=1.0.0; charset=utf-8")], page).into_response(),
         Err(error) => {
             tracing::error!(%error, "the metrics cannot be encoded");
@@ -172,7 +218,7 @@ mod tests {
 
     #[test]
     fn the_text_contains_the_counts() {
-        let metrics = Metrics::new(&MemoryBudget::new(1000));
+        let metrics = Metrics::new(&Budget::new(1000));
         let route: Arc<str> = Arc::from("/v1/max-feed");
         metrics.began();
         metrics.ended("POST", &route, 200, Duration::from_millis(2));
@@ -188,7 +234,7 @@ mod tests {
             "scallopd_http_requests_in_flight 1",
             "scallopd_http_requests_shed_total{reason=\"workers\"} 1",
             "scallopd_http_requests_shed_total{reason=\"in_flight\"} 0",
-            "scallopd_memory_reserved_bytes 0",
+            "scallopd_memory_held_bytes 0",
             "scallopd_upload_bytes_total 84",
             "scallopd_upload_facets_total{format=\"stl\"} 2",
             concat!("scallopd_build_info{version=\"", env!("CARGO_PKG_VERSION"), "\""),
@@ -196,6 +242,18 @@ mod tests {
             assert!(page.contains(line), "{line} is not in\n{page}");
         }
         assert!(page.ends_with("# EOF\n"));
+        let older = in_older_format(&page);
+        for line in [
+            "# TYPE scallopd_http_requests_total counter\n",
+            "# TYPE scallopd_build_info gauge\n",
+            "# TYPE scallopd_http_requests_in_flight gauge\n",
+            "scallopd_http_requests_in_flight 1\n",
+        ] {
+            assert!(older.contains(line), "{line} is not in\n{older}");
+        }
+        assert!(!older.contains("# UNIT") && !older.contains("# EOF"));
+        let samples = |page: &str| page.lines().filter(|line| !line.starts_with('#')).count();
+        assert_eq!(samples(&older), samples(&page));
     }
 
     #[test]

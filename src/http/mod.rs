@@ -2,16 +2,17 @@
 //! checked values and passed to the domain modules, and their results are written as JSON; no calculation is done here.
 
 mod app_state;
-mod body;
+mod body_pipe;
 mod calculation;
 mod codes;
 mod collected_body;
+mod compression;
 mod document;
 mod examples;
+mod json_body;
 pub mod metrics;
 mod middleware;
 mod multipart;
-mod openapi_3_0;
 pub mod overload;
 mod pages;
 mod planning;
@@ -35,7 +36,7 @@ use axum::Router;
 use axum::http::StatusCode;
 use utoipa_axum::routes;
 
-use crate::settings::HttpSettings;
+use crate::settings::Settings;
 
 /// All routes, each with its class and its documentation.
 #[must_use]
@@ -56,11 +57,8 @@ pub fn openapi_json() -> String {
     format!("{:#}\n", document::of(routes()))
 }
 
-/// The OpenAPI document in version 3.0.3, as `/openapi-3.0.json` serves it.
-#[must_use]
-pub fn openapi_3_0_json() -> String {
-    format!("{:#}\n", openapi_3_0::converted(document::of(routes())))
-}
+/// The OpenAPI document in version 3.0.3, as `/openapi-3.0.json` serves it. `openapi/to_3_0` writes it.
+pub const OPENAPI_3_0_JSON: &str = include_str!("../../openapi/openapi-3.0.json");
 
 /// The routes without `/metrics`, for a service with a separate address for probes and metrics.
 #[must_use]
@@ -86,7 +84,7 @@ pub fn refusals(state: &AppState) -> Arc<dyn Fn(StatusCode) -> Vec<u8> + Send + 
 }
 
 /// The service: `routes` inside the middleware.
-pub fn service(routes: Routes, settings: &HttpSettings, state: &AppState) -> Router {
+pub fn service(routes: Routes, settings: &Settings, state: &AppState) -> Router {
     let stack = middleware::Stack::new(settings, state);
     let surround = |class, router| stack.surround(class, router);
     let no_such_path = surround(RouteClass::Single, Router::new().fallback(async || StatusCode::NOT_FOUND));

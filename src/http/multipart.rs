@@ -5,7 +5,7 @@
 use crate::http::codes::ServiceProblem;
 use crate::http::collected_body::next_data;
 use crate::http::problem::Problem;
-use axum::body::{Body, Bytes};
+use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
 use bytes::Buf;
@@ -29,6 +29,7 @@ pub(crate) struct Form {
     held: Bytes,
     position: Position,
     parts: usize,
+    length: Option<u64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +63,13 @@ impl Form {
     fn new(body: Body, boundary: &str) -> Self {
         let delimiter = Finder::new(&format!("\r\n--{boundary}")).into_owned();
         // The first delimiter may start the body, without a line break before it.
-        Self { body, delimiter, held: Bytes::from_static(b"\r\n"), position: Position::Data, parts: 0 }
+        let length = body.size_hint().exact();
+        Self { body, delimiter, held: Bytes::from_static(b"\r\n"), position: Position::Data, parts: 0, length }
+    }
+
+    /// The length of the whole form in bytes, if the client states it and does not compress the form.
+    pub(crate) fn stated_length(&self) -> Option<u64> {
+        self.length
     }
 
     /// Skips the rest of the current part, and returns the head of the next.

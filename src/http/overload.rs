@@ -6,7 +6,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::codes::ServiceProblem;
 use super::problem::Problem;
-use crate::memory_budget::BudgetExceeded;
+use crate::budget::NoMemory;
 
 /// The value of `Retry-After`. Resources become free within milliseconds unless the load persists.
 const RETRY_AFTER_S: u32 = 1;
@@ -40,7 +40,7 @@ impl fmt::Display for Overload {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::InFlight => write!(f, "as many requests as are accepted at once are in flight"),
-            Self::Memory => write!(f, "{}", BudgetExceeded::Now),
+            Self::Memory => write!(f, "the memory for requests is in use"),
             Self::Workers => write!(f, "as many uploads and batches as are accepted at once are being worked on"),
         }
     }
@@ -54,12 +54,9 @@ impl From<Overload> for Problem {
     }
 }
 
-impl From<BudgetExceeded> for Problem {
-    fn from(exceeded: BudgetExceeded) -> Self {
-        match exceeded {
-            BudgetExceeded::Now => Overload::Memory.into(),
-            BudgetExceeded::Always => Self::new(ServiceProblem::TooLarge, exceeded.to_string()),
-        }
+impl From<NoMemory> for Problem {
+    fn from(_: NoMemory) -> Self {
+        Overload::Memory.into()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The routes of the interactive documentation and of the OpenAPI document.
 
 use super::app_state::AppState;
-use super::{openapi_3_0_json, openapi_json};
+use super::{OPENAPI_3_0_JSON, openapi_json};
 use axum::Router;
 use axum::http::header;
 use axum::response::{IntoResponse, Redirect};
@@ -43,6 +43,5 @@ pub(super) async fn openapi() -> impl IntoResponse {
     responses((status = 200, description = "The document", body = serde_json::Value, content_type = "application/json")),
 )]
 pub(super) async fn openapi_3_0() -> impl IntoResponse {
-    static DOCUMENT: LazyLock<String> = LazyLock::new(openapi_3_0_json);
-    ([(header::CONTENT_TYPE, "application/json")], DOCUMENT.as_str())
+    ([(header::CONTENT_TYPE, "application/json")], OPENAPI_3_0_JSON)
 }

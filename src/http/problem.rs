@@ -75,7 +75,7 @@ impl Problem {
         problem
     }
 
-    /// The same problem, with the header `Retry-After`.
+    /// Adds the header `Retry-After`.
     pub(crate) fn retry_after(mut self, seconds: u32) -> Self {
         self.0.retry_after_s = Some(seconds);
         self
@@ -132,6 +132,22 @@ impl IntoResponse for Problem {
     }
 }
 
+/// What the log states of a problem; an extension of the answer.
+#[derive(Debug, Clone)]
+pub(crate) struct Refusal {
+    /// The problem's type.
+    pub(crate) problem: &'static str,
+    /// The code of the first fault, and its pointer.
+    pub(crate) fault: Option<(&'static str, String)>,
+}
+
+impl Refusal {
+    fn of(problem: &Problem) -> Self {
+        let fault = problem.0.errors.first().map(|fault| (fault.code.name(), fault.pointer.clone()));
+        Self { problem: problem.0.kind.name(), fault }
+    }
+}
+
 const PROBLEM_JSON: HeaderValue = HeaderValue::from_static("application/problem+json");
 
 /// Writes an error response as a problem, and returns other responses unchanged. Only the status of the framework's own
@@ -143,6 +159,7 @@ pub(crate) fn describe_error(mut response: Response, instance: &str, request_id:
     }
     let problem = response.extensions_mut().remove::<Problem>().unwrap_or_else(|| Problem::of_status(status));
     let (mut parts, _) = response.into_parts();
+    parts.extensions.insert(Refusal::of(&problem));
     parts.headers.remove(header::CONTENT_LENGTH);
     parts.headers.remove(header::CONTENT_ENCODING);
     parts.headers.insert(header::CONTENT_TYPE, PROBLEM_JSON);

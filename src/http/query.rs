@@ -2,13 +2,12 @@
 //! with the names of nested members joined. A query is converted to that JSON and read by the same readers; faults
 //! point to the query's parameters.
 
-use super::body::malformed;
 use super::codes::RequestFault;
+use super::json_body::malformed;
 use super::problem::Problem;
-use super::reading::{Components, Faulted, Faults, Object};
-use crate::json_text::not_finite::mark;
-use crate::json_text::{JsonPath, JsonText};
+use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark};
 use serde_json::Value;
+use serde_json::value::RawValue;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -238,7 +237,7 @@ fn number(value: &str) -> String {
         return mark.to_owned();
     }
     let is_number = value.starts_with(|first: char| first == '-' || first.is_ascii_digit())
-        && JsonText::check(value.as_bytes(), &|| false).is_ok_and(|number| number.get().len() == value.len());
+        && serde_json::from_str::<&RawValue>(value).is_ok_and(|number| number.get().len() == value.len());
     if is_number { value.to_owned() } else { quoted(value) }
 }
 

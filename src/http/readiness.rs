@@ -9,10 +9,11 @@ use axum::http::StatusCode;
 
 use super::problem::ProblemBody;
 
-/// Whether the service accepts requests or is draining. Clones share the state.
+/// Whether the service accepts requests, is draining, or cuts off its last requests. Clones share the state.
 #[derive(Debug, Clone, Default)]
 pub struct Readiness {
     draining: Arc<AtomicBool>,
+    over: Arc<AtomicBool>,
 }
 
 impl Readiness {
@@ -25,6 +26,15 @@ impl Readiness {
     #[must_use]
     pub fn is_draining(&self) -> bool {
         self.draining.load(Ordering::Relaxed)
+    }
+
+    /// States that requests that end from now on are cut off.
+    pub fn end(&self) {
+        self.over.store(true, Ordering::Relaxed);
+    }
+
+    pub(crate) fn is_over(&self) -> bool {
+        self.over.load(Ordering::Relaxed)
     }
 }
 

@@ -6,7 +6,11 @@ use utoipa::openapi::OpenApi;
 use utoipa_axum::router::{OpenApiRouter, UtoipaMethodRouter};
 
 use super::app_state::AppState;
-use crate::settings::HttpSettings;
+use crate::settings::Settings;
+
+/// The largest body of a single calculation in bytes, some thousand times what one needs. It is less than the limit of
+/// batches, because the bodies of all requests in flight are in memory together.
+const MAX_SINGLE_BYTES: u64 = 64 * 1024;
 
 /// The class of a route, which determines body limit, worker pool and load shedding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,11 +37,11 @@ impl RouteClass {
     }
 
     /// The largest body, in decompressed bytes.
-    pub(crate) fn max_body_bytes(self, settings: &HttpSettings) -> u64 {
+    pub(crate) fn max_body_bytes(self, settings: &Settings) -> u64 {
         match self {
-            Self::Probe | Self::Single => settings.max_json_bytes.min(HttpSettings::MAX_SINGLE_BYTES),
-            Self::Batch => settings.max_json_bytes,
-            Self::Upload => settings.max_upload_bytes,
+            Self::Probe | Self::Single => settings.max_json.min(MAX_SINGLE_BYTES),
+            Self::Batch => settings.max_json,
+            Self::Upload => settings.max_upload,
         }
     }
 }
@@ -90,7 +94,7 @@ impl Routes {
         self
     }
 
-    /// The same set without the operations of one path.
+    /// These routes without the operations of one path.
     pub(crate) fn without(mut self, path: &str) -> Self {
         self.routers.retain(|(_, router)| !router.get_openapi().paths.paths.contains_key(path));
         self

@@ -6,34 +6,34 @@ use axum::extract::FromRequestParts;
 use axum::http::StatusCode;
 use axum::http::request::Parts;
 use axum::response::{IntoResponse, Response};
-use tokio::time::{Instant, timeout_at};
+use tokio::time::Instant;
 
+use super::json_body::WrittenJson;
 use super::metrics::Metrics;
 use super::overload::Overload;
 use super::problem::Problem;
+use crate::budget::{Budget, Job, LONGEST_WAIT, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
-use crate::memory_budget::{BudgetExceeded, MemoryBudget, Reservation};
 use crate::worker_pool::{WorkPermit, WorkerPool};
 
 /// One request's access to the worker pool and to the memory budget, for handlers of routes whose class uses workers.
 #[derive(Debug, Clone)]
 pub struct Work {
     workers: WorkerPool,
-    budget: MemoryBudget,
+    budget: Budget,
     metrics: Metrics,
+    /// Whether the client accepts compressed answers.
+    compresses: bool,
 }
 
 impl Work {
-    /// The longest time that a request whose body has arrived waits for a permit. Permits are held for milliseconds
-    /// unless the load persists.
-    const LONGEST_WAIT: Duration = Duration::from_millis(500);
+    pub(crate) fn new(workers: WorkerPool, budget: Budget, metrics: Metrics) -> Self {
+        Self { workers, budget, metrics, compresses: false }
+    }
 
-    /// The longest time that an upload or a recommendation waits. After a refusal, a client would have to send its file
-    /// again. Of dozens of recommendations at the same time, each of some 0.1 s, the last waits a few seconds.
-    pub(crate) const LONGEST_WAIT_OF_PLAN: Duration = Duration::from_secs(20);
-
-    pub(crate) fn new(workers: WorkerPool, budget: MemoryBudget, metrics: Metrics) -> Self {
-        Self { workers, budget, metrics }
+    /// The same for a client that accepts compressed answers, or does not.
+    pub(crate) fn compressing(self, compresses: bool) -> Self {
+        Self { compresses, ..self }
     }
 
     /// A permit, for which the request waits at most `longest`.
@@ -52,55 +52,31 @@ impl Work {
     /// # Errors
     /// [`Overload::Workers`] if no permit becomes free.
     pub async fn run<T: Send + 'static>(&self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> Result<T, Overload> {
-        Ok(self.admit(Self::LONGEST_WAIT).await?.run(work).await)
+        Ok(self.admit(LONGEST_WAIT).await?.run(work).await)
     }
 
-    /// The same for the work that follows an upload.
+    /// The answer that `compute` writes on a worker. It waits for the memory of `job`, then for a permit. The answer is
+    /// compressed before the permit is returned, and holds its memory until it is sent.
     ///
     /// # Errors
-    /// [`Overload::Workers`] if no permit becomes free.
-    pub async fn run_after_upload<T: Send + 'static>(&self, work: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> Result<T, Overload> {
-        Ok(self.admit(Self::LONGEST_WAIT_OF_PLAN).await?.run(work).await)
-    }
-
-    /// Runs `work` with a permit and with `bytes` more in `memory`, for both of which it waits at most `longest`.
-    /// It holds no permit while it waits for memory, so that requests which need less can run.
-    ///
-    /// # Errors
-    /// [`Overload`] as a problem to answer with.
-    pub(crate) async fn run_with_memory<T: Send + 'static>(
+    /// [`Overload`] as a problem, or the problem of `compute`.
+    pub(crate) async fn answer(
         &self,
-        mut memory: Reservation,
-        bytes: u64,
-        longest: Duration,
-        work: impl FnOnce(Reservation, &CancelFlag) -> T + Send + 'static,
-    ) -> Result<T, Problem> {
-        let deadline = Instant::now() + longest;
-        let (permit, plan) = loop {
-            // Registered before the attempt, so that bytes returned after it are not missed.
-            let returned = self.budget.returned(bytes);
-            let left = || deadline.saturating_duration_since(Instant::now());
-            let needed = memory.bytes().saturating_add(bytes);
-            // Dozens of requests may wait: only those whose memory is free ask for a permit.
-            if memory.attainable() >= needed || needed > self.budget.largest() {
-                let plan = self.workers.admit_plan(left()).await.ok_or_else(|| self.refuse())?;
-                let permit = self.admit(left()).await?;
-                match memory.try_grow(bytes) {
-                    Ok(()) => break (permit, plan),
-                    Err(BudgetExceeded::Always) => return Err(self.budget.refuse(BudgetExceeded::Always).into()),
-                    Err(BudgetExceeded::Now) => drop((permit, plan)),
-                }
-            }
-            if timeout_at(deadline, returned).await.is_err() {
-                return Err(self.budget.refuse(BudgetExceeded::Now).into());
-            }
-        };
+        job: Job,
+        compute: impl FnOnce(&CancelFlag) -> Result<WrittenJson, Problem> + Send + 'static,
+    ) -> Result<WrittenJson, Problem> {
+        let is_plan = matches!(job, Job::Plan { .. });
+        let deadline = Instant::now() + if is_plan { LONGEST_WAIT_OF_PLAN } else { LONGEST_WAIT };
+        let left = || deadline.saturating_duration_since(Instant::now());
+        let plan = if is_plan { Some(self.workers.admit_plan(left()).await.ok_or_else(|| self.refuse())?) } else { None };
+        let held = self.budget.take(job, left()).await?;
+        let permit = self.admit(left()).await?;
+        let compresses = self.compresses;
         let work = move |cancelled: &CancelFlag| {
-            let result = work(memory, cancelled);
-            drop(plan);
-            result
+            let _plan = plan;
+            Ok(compute(cancelled)?.compressed(compresses, cancelled).holding(held))
         };
-        Ok(permit.run(work).await)
+        permit.run(work).await
     }
 
     /// The number of threads of a permit.
@@ -114,9 +90,17 @@ impl Work {
         self.workers.run_piece(piece).await
     }
 
+    /// Runs `reading`, which may wait for data, as [`WorkerPool::run_reader`].
+    ///
+    /// # Errors
+    /// [`Overload::Workers`] if no thread becomes free.
+    pub(crate) async fn run_reader<T: Send + 'static>(&self, reading: impl FnOnce() -> T + Send + 'static) -> Result<T, Overload> {
+        self.workers.run_reader(LONGEST_WAIT_OF_PLAN, reading).await.ok_or_else(|| self.refuse())
+    }
+
     /// The memory budget.
     #[must_use]
-    pub fn budget(&self) -> &MemoryBudget {
+    pub fn budget(&self) -> &Budget {
         &self.budget
     }
 }
@@ -140,7 +124,7 @@ mod tests {
     use super::*;
 
     fn work(permits: usize) -> Work {
-        let budget = MemoryBudget::new(1);
+        let budget = Budget::new(1 << 26);
         Work::new(WorkerPool::start(permits).unwrap(), budget.clone(), Metrics::new(&budget))
     }
 

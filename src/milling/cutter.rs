@@ -1,115 +1,324 @@
 //! The cutter, described as the solid that it sweeps when it rotates.
 
-use super::profile::Profile;
-use crate::quantity::Length;
+use super::profile::{Profile, ProfileArc, ProfileError};
+use crate::quantity::{Angle, Length};
+use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
-/// A cutter for finishing, described by the catalogue dimensions of ISO 13399: cutting diameter DC = 2R and corner
-/// radius RE = r.
+/// A cutter for finishing: any convex solid of revolution, given by its lower profile.
 ///
-/// Every kind is the same body, a torus of major radius R - r and minor radius r: the ball-end cutter has R - r = 0,
-/// the flat-end cutter r = 0.
+/// The constructors take the dimensions by which catalogues describe the shapes (ISO 13399: cutting diameter DC = 2R,
+/// corner radius RE = r). Everything but names and texts follows from the profile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cutter {
     kind: CutterKind,
-    outer_radius: f64,
-    corner_radius: f64,
+    profile: Profile,
 }
 
-/// The three kinds of finishing cutter.
+/// The shapes by their names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CutterKind {
-    /// Bull-nose or torus-end: 0 < r < R.
+    /// Bull-nose or torus-end: a flat and a corner radius r, 0 < r < R.
     Toroidal,
-    /// Ball-end or ball-nose: r = R.
+    /// Ball-end or ball-nose.
     BallEnd,
-    /// Flat-end: r = 0.
+    /// Flat-end, with a sharp corner.
     FlatEnd,
+    /// A ball, then a cone up to the shank.
+    TaperedBall,
+    /// A flat bottom of a large radius, then a corner radius.
+    Lens,
+    /// A ball tip, then a side of a large radius: a barrel.
+    Oval,
+    /// A ball tip, then an inclined side of a large radius.
+    ConicalBarrel,
+    /// Any other profile.
+    Profile,
 }
 
-/// The corner radius of a toroidal cutter does not fit into its diameter.
+/// The reason why dimensions are not those of a cutter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CornerTooLarge {
-    /// Half the diameter, the upper bound of the corner radius.
-    pub outer_radius: Length,
+pub enum CutterError {
+    /// The corner radius of a toroidal or lens cutter is not under half its diameter.
+    CornerTooLarge {
+        /// Half the diameter, the upper bound of the corner radius.
+        outer_radius: Length,
+    },
+    /// A taper is not between 0 and 90 deg.
+    Taper,
+    /// The shank of a tapered cutter is narrower than the end of its ball.
+    ShankTooNarrow {
+        /// The smallest shank diameter.
+        smallest_diameter: Length,
+    },
+    /// The tip radius of an oval cutter or conical barrel is so large that the tip is wider than the diameter.
+    TipTooLarge {
+        /// The largest tip radius.
+        largest_radius: Length,
+    },
+    /// The radius of a lens or of a barrel's side is smaller than the radius of a ball with that diameter.
+    LargeRadiusTooSmall {
+        /// The smallest radius.
+        smallest_radius: Length,
+    },
+    /// The arcs are not a profile.
+    Profile(ProfileError),
 }
 
-impl fmt::Display for CornerTooLarge {
+impl fmt::Display for CutterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "the corner radius of a toroidal cutter must be under half its diameter, {} mm; if both are equal, the cutter is a ball-end",
-            self.outer_radius.mm()
-        )
+        match self {
+            Self::CornerTooLarge { outer_radius } => write!(
+                f,
+                "the corner radius must be under half the diameter, {} mm; if both are equal, the cutter is a ball-end",
+                outer_radius.mm()
+            ),
+            Self::Taper => f.write_str("the taper, half the angle of the cone, must be over 0 and under 90 deg"),
+            Self::ShankTooNarrow { smallest_diameter } => {
+                write!(f, "the shank must be wider than the end of the ball, whose diameter is {} mm", smallest_diameter.mm())
+            }
+            Self::TipTooLarge { largest_radius } => {
+                write!(f, "the tip radius must be at most {} mm, or the tip is wider than the diameter", largest_radius.mm())
+            }
+            Self::LargeRadiusTooSmall { smallest_radius } => {
+                write!(f, "the radius of lens or side must be at least {} mm, that of a ball of this diameter", smallest_radius.mm())
+            }
+            Self::Profile(error) => error.fmt(f),
+        }
     }
 }
 
-impl std::error::Error for CornerTooLarge {}
+impl std::error::Error for CutterError {}
 
 impl Cutter {
-    /// A toroidal cutter of diameter DC = 2R and corner radius RE = r, 0 < r < R.
-    ///
-    /// # Errors
-    /// [`CornerTooLarge`] when r >= R.
-    pub fn toroidal(diameter: Length, corner_radius: Length) -> Result<Self, CornerTooLarge> {
-        let outer_radius = diameter.mm() / 2.0;
-        if corner_radius.mm() >= outer_radius {
-            return Err(CornerTooLarge { outer_radius: Length::computed(outer_radius) });
-        }
-        Ok(Self { kind: CutterKind::Toroidal, outer_radius, corner_radius: corner_radius.mm() })
-    }
-
     /// A ball-end cutter of diameter DC = 2R.
     #[must_use]
     pub fn ball_end(diameter: Length) -> Self {
         let radius = diameter.mm() / 2.0;
-        Self { kind: CutterKind::BallEnd, outer_radius: radius, corner_radius: radius }
+        Self { kind: CutterKind::BallEnd, profile: Profile::torus(radius, radius) }
+    }
+
+    /// A toroidal cutter of diameter DC = 2R and corner radius RE = r, 0 < r < R.
+    ///
+    /// # Errors
+    /// [`CutterError::CornerTooLarge`] when r >= R.
+    pub fn toroidal(diameter: Length, corner_radius: Length) -> Result<Self, CutterError> {
+        let outer_radius = checked_corner(diameter, corner_radius)?;
+        Ok(Self { kind: CutterKind::Toroidal, profile: Profile::torus(outer_radius, corner_radius.mm()) })
     }
 
     /// A flat-end cutter of diameter DC = 2R, with a sharp corner.
     #[must_use]
     pub fn flat_end(diameter: Length) -> Self {
-        Self { kind: CutterKind::FlatEnd, outer_radius: diameter.mm() / 2.0, corner_radius: 0.0 }
+        Self { kind: CutterKind::FlatEnd, profile: Profile::torus(diameter.mm() / 2.0, 0.0) }
     }
 
-    /// The kind of the cutter.
+    /// A ball of the diameter `ball_diameter`, then a cone that touches it, up to the shank. `taper` is half the angle of
+    /// the cone.
+    ///
+    /// # Errors
+    /// [`CutterError::Taper`]; [`CutterError::ShankTooNarrow`] if the cone would begin beyond the shank.
+    pub fn tapered_ball(ball_diameter: Length, taper: Angle, shank_diameter: Length) -> Result<Self, CutterError> {
+        let (radius, shank) = (ball_diameter.mm() / 2.0, shank_diameter.mm() / 2.0);
+        let side = checked_side(taper)?;
+        let end = radius * taper.cos();
+        if shank < end {
+            return Err(CutterError::ShankTooNarrow { smallest_diameter: Length::computed(2.0 * end) });
+        }
+        let ball = ProfileArc { radius, centre_offset: 0.0, centre_height: radius, from: 0.0, to: side };
+        let height = radius - radius * taper.sin() + (shank - end) / taper.sin() * taper.cos();
+        Ok(Self { kind: CutterKind::TaperedBall, profile: Profile::of_valid_arcs(&[ball, corner(shank, height, side)]) })
+    }
+
+    /// A bottom of the radius `lens_radius`, centred on the axis, then a corner radius that touches it and ends at the
+    /// diameter.
+    ///
+    /// # Errors
+    /// [`CutterError::CornerTooLarge`]; [`CutterError::LargeRadiusTooSmall`] for a lens radius under half the diameter.
+    pub fn lens(diameter: Length, lens_radius: Length, corner_radius: Length) -> Result<Self, CutterError> {
+        let outer = checked_corner(diameter, corner_radius)?;
+        let (lens, radius) = (lens_radius.mm(), corner_radius.mm());
+        if lens < outer {
+            return Err(CutterError::LargeRadiusTooSmall { smallest_radius: Length::computed(outer) });
+        }
+        let core = outer - radius;
+        let sin = core / (lens - radius);
+        let (end, cos) = (sin.asin(), ((1.0 - sin) * (1.0 + sin)).sqrt());
+        let bottom = ProfileArc { radius: lens, centre_offset: 0.0, centre_height: lens, from: 0.0, to: end };
+        let height = lens - (lens - radius) * cos;
+        let corner = ProfileArc { radius, centre_offset: core, centre_height: height, from: end, to: FRAC_PI_2 };
+        Ok(Self { kind: CutterKind::Lens, profile: Profile::of_valid_arcs(&[bottom, corner]) })
+    }
+
+    /// A ball tip, then a side of the radius `side_radius` that touches it and ends at the diameter with a vertical
+    /// tangent: a barrel.
+    ///
+    /// # Errors
+    /// [`CutterError::TipTooLarge`], [`CutterError::LargeRadiusTooSmall`].
+    pub fn oval(diameter: Length, tip_radius: Length, side_radius: Length) -> Result<Self, CutterError> {
+        Ok(Self { kind: CutterKind::Oval, profile: barrel(diameter, tip_radius, side_radius, Angle::ZERO)? })
+    }
+
+    /// A ball tip, then a side of the radius `side_radius` that touches it and ends at the diameter, where its tangent has
+    /// the angle `taper` to the axis. The cone that follows in most catalogues cuts nothing and is left out: above the
+    /// diameter the solid is a cylinder.
+    ///
+    /// # Errors
+    /// [`CutterError::Taper`], [`CutterError::TipTooLarge`], [`CutterError::LargeRadiusTooSmall`].
+    pub fn conical_barrel(diameter: Length, tip_radius: Length, side_radius: Length, taper: Angle) -> Result<Self, CutterError> {
+        checked_side(taper)?;
+        Ok(Self { kind: CutterKind::ConicalBarrel, profile: barrel(diameter, tip_radius, side_radius, taper)? })
+    }
+
+    /// Any convex profile of arcs and straight pieces.
+    ///
+    /// # Errors
+    /// [`CutterError::Profile`].
+    pub fn from_arcs(arcs: &[ProfileArc]) -> Result<Self, CutterError> {
+        let profile = Profile::of_arcs(arcs).map_err(CutterError::Profile)?;
+        Ok(Self { kind: CutterKind::Profile, profile })
+    }
+
+    /// The kind of the cutter, for names and texts.
     #[must_use]
     pub fn kind(self) -> CutterKind {
         self.kind
     }
 
-    /// R, the outer radius, in mm.
-    #[must_use]
-    pub fn outer_radius(self) -> Length {
-        Length::computed(self.outer_radius)
-    }
-
-    /// r, the corner radius, in mm: R for a ball-end, 0 for a flat-end cutter.
-    #[must_use]
-    pub fn corner_radius(self) -> Length {
-        Length::computed(self.corner_radius)
-    }
-
-    /// R - r, the radius of the circle of the corner's centre, in mm.
-    #[must_use]
-    pub fn core_radius(self) -> Length {
-        Length::computed(self.outer_radius - self.corner_radius)
-    }
-
     /// The lower profile.
     #[must_use]
     pub fn profile(self) -> Profile {
-        Profile::torus(self.outer_radius, self.corner_radius)
+        self.profile
     }
 
-    /// The same cutter with its outer radius larger by `extra`, as radial runout makes it [Segonds 2017, after eq. 15].
-    /// A toroidal and a flat-end cutter keep their corner; a ball-end cutter stays a ball, of radius R + extra.
+    /// R, the outer radius, in mm.
+    #[must_use]
+    pub fn outer_radius(self) -> Length {
+        Length::computed(self.profile.outer_radius())
+    }
+
+    /// r, the radius of the profile's first arc, in mm: the corner radius of a toroidal cutter, R of a ball-end, 0 of a
+    /// flat-end cutter, and of the other shapes the radius of the tip.
+    #[must_use]
+    pub fn corner_radius(self) -> Length {
+        Length::computed(self.profile.arcs()[0].radius)
+    }
+
+    /// The distance of the first arc's centre from the axis, in mm: R - r of a toroidal cutter, R of a flat-end cutter, and
+    /// 0 where the tip is a ball.
+    #[must_use]
+    pub fn core_radius(self) -> Length {
+        Length::computed(self.profile.arcs()[0].centre_offset)
+    }
+
+    /// The same cutter with its outer radius larger by `extra`, as radial runout makes it [Segonds 2017, after eq. 15]. A
+    /// flat becomes wider, and all else stays; a cutter with a round tip becomes larger by `extra` in every direction.
     #[must_use]
     pub fn widened(self, extra: Length) -> Self {
-        let corner_radius = match self.kind {
-            CutterKind::BallEnd => self.corner_radius + extra.mm(),
-            CutterKind::Toroidal | CutterKind::FlatEnd => self.corner_radius,
-        };
-        Self { outer_radius: self.outer_radius + extra.mm(), corner_radius, ..self }
+        Self { profile: self.profile.widened(extra.mm()), ..self }
+    }
+}
+
+/// Half the diameter, if the corner radius is smaller.
+fn checked_corner(diameter: Length, corner_radius: Length) -> Result<f64, CutterError> {
+    let outer_radius = diameter.mm() / 2.0;
+    if corner_radius.mm() >= outer_radius {
+        return Err(CutterError::CornerTooLarge { outer_radius: Length::computed(outer_radius) });
+    }
+    Ok(outer_radius)
+}
+
+/// The angle of a cone's normal to straight down, pi/2 - taper.
+fn checked_side(taper: Angle) -> Result<f64, CutterError> {
+    if taper.radians() > 0.0 && taper.radians() < FRAC_PI_2 { Ok(FRAC_PI_2 - taper.radians()) } else { Err(CutterError::Taper) }
+}
+
+fn corner(offset: f64, height: f64, from: f64) -> ProfileArc {
+    ProfileArc { radius: 0.0, centre_offset: offset, centre_height: height, from, to: FRAC_PI_2 }
+}
+
+/// The ball tip of radius r_t and the side of radius R_s, whose tangent at the diameter D has the angle t to the axis:
+/// its centre is e = D/2 - R_s cos(t) from the axis, and both touch where the normal is at p, sin(p) = -e / (R_s - r_t).
+fn barrel(diameter: Length, tip_radius: Length, side_radius: Length, taper: Angle) -> Result<Profile, CutterError> {
+    let (outer, tip, side, cos) = (diameter.mm() / 2.0, tip_radius.mm(), side_radius.mm(), taper.cos());
+    if tip * cos > outer {
+        return Err(CutterError::TipTooLarge { largest_radius: Length::computed(outer / cos) });
+    }
+    if side * cos < outer {
+        return Err(CutterError::LargeRadiusTooSmall { smallest_radius: Length::computed(outer / cos) });
+    }
+    let (beyond, end) = (side * cos - outer, FRAC_PI_2 - taper.radians());
+    let sin = if side > tip { (beyond / (side - tip)).min(1.0) } else { 0.0 };
+    let joint = sin.asin().min(end);
+    let ball = ProfileArc { radius: tip, centre_offset: 0.0, centre_height: tip, from: 0.0, to: joint };
+    let height = tip + (side - tip) * ((1.0 - sin) * (1.0 + sin)).sqrt();
+    let flank = ProfileArc { radius: side, centre_offset: -beyond, centre_height: height, from: joint, to: end };
+    let top = corner(outer, height - side * taper.sin(), end);
+    // Arcs without a length are left out.
+    let arcs = [ball, flank, top];
+    let first = usize::from(joint <= 0.0);
+    let last = if taper.radians() > 0.0 { 3 } else { 2 };
+    Ok(Profile::of_valid_arcs(&arcs[first..last]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn mm(value: f64) -> Length {
+        Length::from_mm(value).unwrap()
+    }
+
+    fn degrees(value: f64) -> Angle {
+        Angle::from_degrees(value).unwrap()
+    }
+
+    /// Every profile is accepted as a stated one, ends at its radius, and is convex.
+    #[test]
+    fn the_shapes_are_profiles_without_steps() {
+        for (cutter, outer) in [
+            (Cutter::tapered_ball(mm(2.0), degrees(5.0), mm(6.0)).unwrap(), 3.0),
+            (Cutter::lens(mm(16.0), mm(40.0), mm(1.0)).unwrap(), 8.0),
+            (Cutter::oval(mm(10.0), mm(2.0), mm(80.0)).unwrap(), 5.0),
+            (Cutter::conical_barrel(mm(10.0), mm(2.0), mm(250.0), degrees(20.0)).unwrap(), 5.0),
+        ] {
+            let profile = cutter.profile();
+            assert_relative_eq!(cutter.outer_radius().mm(), outer, max_relative = 1e-15);
+            assert_eq!(Profile::of_arcs(profile.arcs()), Ok(profile));
+            let slopes: Vec<f64> = (1..1000).map(|step| profile.derivatives(outer * f64::from(step) / 1000.0).unwrap()[1]).collect();
+            assert!(slopes.is_sorted(), "{:?}", cutter.kind());
+            for pair in profile.arcs().windows(2) {
+                let ((rho0, z0), (rho1, z1)) = (pair[0].point(pair[0].to), pair[1].point(pair[1].from));
+                let (sin, cos) = pair[0].to.sin_cos();
+                // Rounding of heights of up to 250 mm.
+                assert!(((rho1 - rho0) * sin - (z1 - z0) * cos).abs() < 1e-12, "{:?}", cutter.kind());
+            }
+        }
+    }
+
+    #[test]
+    fn limits_of_the_shapes_are_balls() {
+        let ball = Cutter::ball_end(mm(10.0));
+        for cutter in [
+            Cutter::oval(mm(10.0), mm(5.0), mm(5.0)).unwrap(),
+            Cutter::oval(mm(10.0), mm(5.0), mm(50.0)).unwrap(),
+            Cutter::lens(mm(10.0), mm(5.0), mm(4.0)).unwrap(),
+        ] {
+            for step in 0..=100 {
+                let rho = f64::from(step) / 20.0;
+                assert_relative_eq!(cutter.profile().low(rho), ball.profile().low(rho), epsilon = 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_dimensions_are_refused_with_their_bounds() {
+        assert_eq!(Cutter::toroidal(mm(10.0), mm(5.0)), Err(CutterError::CornerTooLarge { outer_radius: mm(5.0) }));
+        assert_eq!(Cutter::lens(mm(10.0), mm(4.0), mm(1.0)), Err(CutterError::LargeRadiusTooSmall { smallest_radius: mm(5.0) }));
+        assert_eq!(Cutter::oval(mm(10.0), mm(6.0), mm(80.0)), Err(CutterError::TipTooLarge { largest_radius: mm(5.0) }));
+        assert_eq!(Cutter::tapered_ball(mm(2.0), degrees(0.0), mm(6.0)), Err(CutterError::Taper));
+        let narrow = Cutter::tapered_ball(mm(2.0), degrees(60.0), mm(0.5));
+        assert!(matches!(narrow, Err(CutterError::ShankTooNarrow { smallest_diameter }) if (smallest_diameter.mm() - 1.0).abs() < 1e-12));
     }
 }

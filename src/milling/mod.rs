@@ -19,11 +19,12 @@ mod model_warning;
 mod no_answer;
 mod pass;
 mod profile;
+mod roughness;
 
 pub use analytic::{Analytic, EffectiveRadius};
 pub use contact::{Contact, ContactError};
 pub use curvature::{CurvatureComponent, CurvatureOutOfRange, SurfaceCurvature};
-pub use cutter::{CornerTooLarge, Cutter, CutterKind};
+pub use cutter::{Cutter, CutterError, CutterKind};
 pub use cutting_parameters::{CuttingLimits, CuttingLimitsError, CuttingParameters, LimitedBy};
 pub use envelope::Envelope;
 pub use model::{EvaluatedPass, Model};
@@ -31,3 +32,4 @@ pub use model_warning::ModelWarning;
 pub use no_answer::NoAnswer;
 pub use pass::{Pass, Runout, ScallopHeight, StepOver};
 pub use profile::{MOST_ARCS, Profile, ProfileArc, ProfileError};
+pub use roughness::{Roughness, RoughnessError, ra_um};

@@ -20,6 +20,7 @@ pub struct EvaluatedPass {
 }
 
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "it is kept by the one that evaluates it, and never in a list")]
 enum PreparedModel {
     Analytic(Analytic),
     Envelope(Envelope),

@@ -100,6 +100,27 @@ impl Profile {
         Self { arcs: [corner; MOST_ARCS], count: 1 }
     }
 
+    /// The profile of arcs that a shape's dimensions give: from 1 to [`MOST_ARCS`], which join and cover 0 to pi/2.
+    pub(super) fn of_valid_arcs(arcs: &[ProfileArc]) -> Self {
+        let mut profile = Self { arcs: [arcs[0]; MOST_ARCS], count: arcs.len() };
+        profile.arcs[..arcs.len()].copy_from_slice(arcs);
+        profile
+    }
+
+    /// The profile with its outer radius larger by `extra` in mm: a flat is wider and all else stays; if the tip is round,
+    /// the profile is the parallel one at the distance `extra`, whose tip is at 0 again.
+    pub(super) fn widened(&self, extra: f64) -> Self {
+        let has_flat = self.arcs[0].centre_offset > 0.0;
+        let widen = |arc: ProfileArc| {
+            if has_flat {
+                ProfileArc { centre_offset: arc.centre_offset + extra, ..arc }
+            } else {
+                ProfileArc { radius: arc.radius + extra, centre_height: arc.centre_height + extra, ..arc }
+            }
+        };
+        Self { arcs: self.arcs.map(widen), count: self.count }
+    }
+
     /// The profile of these arcs, from the axis outwards. A corner is added at the axis if the first normal is not
     /// straight down, and at the end if the last one is not horizontal.
     ///
@@ -140,9 +161,7 @@ impl Profile {
                 return Err(ProfileError::Join { index });
             }
         }
-        let mut profile = Self { arcs: [arcs[0]; MOST_ARCS], count: arcs.len() };
-        profile.arcs[..arcs.len()].copy_from_slice(&arcs);
-        Ok(profile)
+        Ok(Self::of_valid_arcs(&arcs))
     }
 
     /// The arcs from the axis outwards; their normals cover 0 to pi/2 without a gap.

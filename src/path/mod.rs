@@ -12,6 +12,7 @@ mod milled;
 mod move_grid;
 mod moves;
 mod places;
+pub mod program;
 mod random;
 mod standing;
 #[cfg(test)]

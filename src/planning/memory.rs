@@ -1,5 +1,4 @@
-//! The memory that planning takes, computed in advance so that a caller can reserve it. `cargo bench --bench memory`
-//! measures it.
+//! The memory that planning takes, computed in advance so that a caller can reserve it.
 
 use super::zigzag::{CandidateCutter, PlanRoom};
 use crate::surface::mesh::MeshSize;

@@ -128,7 +128,7 @@ impl ReachMap {
         self.uncut_until(cutter, scallop_height, &|| false)
     }
 
-    /// The same. Once `stop` returns true, it ends early, and the result must be discarded.
+    /// The material that a cutter leaves, as [`Self::uncut`]. Once `stop` returns true, it ends early, and the result must be discarded.
     #[must_use]
     pub fn uncut_until(&self, cutter: Cutter, scallop_height: Length, stop: &(dyn Fn() -> bool + Sync)) -> Uncut {
         self.left(cutter, scallop_height, stop).uncut

@@ -1,42 +1,30 @@
 //! The server: it accepts connections, limits slow clients, and shuts down gracefully. It serves any router until the
 //! caller's stop signal is ready.
 
-mod departure;
 mod signal;
-mod state;
 mod stream;
-mod table;
-mod tracked;
 
-use std::convert::Infallible;
-use std::future::poll_fn;
 use std::io;
-use std::net::SocketAddr;
 use std::pin::pin;
-use std::sync::{Arc, Mutex};
-use std::task::Poll;
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::HttpBody;
-use http::{HeaderValue, Request, StatusCode, header};
-use hyper::body::Incoming;
+use http::StatusCode;
 use hyper::server::conn::http1;
-use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::graceful::GracefulShutdown;
+use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{sleep, timeout};
-use tower::ServiceExt;
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
 
 pub use signal::stop_signal;
 
-use crate::memory_budget::MemoryBudget;
-use crate::settings::ServerSettings;
-use departure::Departure;
-use stream::{ClientStream, ClientTimeouts};
-use table::{ConnectionTable, Entry};
-use tracked::{AnswerBody, RequestBody};
+use crate::settings::Settings;
+use stream::ClientStream;
 
 /// The pause after an error that persists, such as too many open files, before the next connection is accepted.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
@@ -61,115 +49,103 @@ pub struct App {
     pub router: Router,
     /// The answers to heads that cannot be parsed.
     pub refuse: Refuse,
-    /// The memory budget of heads that arrive in pieces.
-    pub budget: MemoryBudget,
 }
 
 impl std::fmt::Debug for App {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("App").field("router", &self.router).field("budget", &self.budget).finish_non_exhaustive()
+        f.debug_struct("App").field("router", &self.router).finish_non_exhaustive()
+    }
+}
+
+/// The connections that are still open at the end of the grace.
+#[must_use = "`cut` closes them"]
+#[derive(Debug)]
+pub struct Remaining {
+    tasks: TaskTracker,
+    cut: CancellationToken,
+}
+
+impl Remaining {
+    /// Whether no connection is open.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.tasks.is_empty()
+    }
+
+    /// Closes the connections. Requests in flight are dropped.
+    pub async fn cut(self) {
+        self.cut.cancel();
+        self.tasks.wait().await;
     }
 }
 
 /// Serves `app` on `listener` until `stop` is ready; then accepts no more connections and lets requests in flight
 /// finish within the settings' grace.
-///
-/// # Errors
-/// Returns errors of the listener. Errors of clients and shortages of resources are only logged.
-pub async fn serve(listener: TcpListener, app: App, settings: &ServerSettings, stop: impl Future<Output = ()>) -> io::Result<()> {
+pub async fn serve(listener: TcpListener, app: App, settings: &Settings, stop: impl Future<Output = ()>) -> Remaining {
     let mut protocol = http1::Builder::new();
-    // `ClientStream` has its own deadlines for heads, and `Departure` detects clients that close the connection.
-    protocol.timer(TokioTimer::new()).header_read_timeout(None).half_close(true);
+    // The time-out covers the pause before a head, too: hyper starts it when the previous request has ended.
+    protocol.timer(TokioTimer::new()).header_read_timeout(settings.client_timeout_s);
     protocol.max_header_size(MAX_HEAD_BYTES).max_buf_size(MAX_BUFFER_BYTES);
-    let timeouts = ClientTimeouts { header: settings.header_timeout, idle: settings.idle_timeout, write: settings.write_timeout };
-    let connections =
-        Connections { protocol, app, timeouts, table: ConnectionTable::new(settings.max_connections), ending: GracefulShutdown::new() };
+    let connections = Connections {
+        protocol,
+        app,
+        write_timeout: settings.client_timeout_s,
+        ending: GracefulShutdown::new(),
+        remaining: Remaining { tasks: TaskTracker::new(), cut: CancellationToken::new() },
+    };
+    let places = Arc::new(Semaphore::new(settings.max_connections()));
     let mut stop = pin!(stop);
     loop {
-        let accepted = tokio::select! {
+        // Connections beyond the limit wait in the system's queue.
+        let accepted = async {
+            let place = Arc::clone(&places).acquire_owned().await.ok();
+            (listener.accept().await, place)
+        };
+        let (accepted, place) = tokio::select! {
             biased;
             () = &mut stop => break,
-            accepted = listener.accept() => accepted,
+            accepted = accepted => accepted,
         };
-        let Some(stream) = connections.accepted(accepted).await else { continue };
-        tokio::select! {
-            biased;
-            entry = connections.table.enter() => connections.spawn(stream, entry),
-            () = &mut stop => {
-                connections.spawn(stream, connections.table.enter_beyond_limit());
-                break;
-            }
-        }
-    }
-    connections.sweep(&listener).await;
-    drop(listener);
-    connections.end(settings.shutdown_grace).await;
-    Ok(())
-}
-
-struct Connections {
-    protocol: http1::Builder,
-    app: App,
-    timeouts: ClientTimeouts,
-    table: ConnectionTable,
-    ending: GracefulShutdown,
-}
-
-impl Connections {
-    /// The accepted stream; `None` after an error, which is logged.
-    async fn accepted(&self, accepted: io::Result<(TcpStream, SocketAddr)>) -> Option<TcpStream> {
         match accepted {
-            Ok((stream, _)) => return Some(stream),
+            Ok((stream, _)) => connections.spawn(stream, place),
             Err(error) if is_of_the_connection(&error) => tracing::debug!(%error, "a connection ended before it was accepted"),
             Err(error) => {
                 tracing::error!(%error, "no connection can be accepted");
                 sleep(ACCEPT_PAUSE).await;
             }
         }
-        None
     }
+    connections.sweep(&listener).await;
+    drop(listener);
+    connections.end(settings.shutdown_grace()).await
+}
 
-    fn spawn(&self, stream: TcpStream, entry: Entry) {
+struct Connections {
+    protocol: http1::Builder,
+    app: App,
+    write_timeout: Duration,
+    ending: GracefulShutdown,
+    remaining: Remaining,
+}
+
+impl Connections {
+    /// Serves a connection, which holds its place among the connections until it ends.
+    fn spawn(&self, stream: TcpStream, place: Option<OwnedSemaphorePermit>) {
         // An answer is written as a whole, so waiting for more data would only delay it. If the option fails, the
         // answer is still sent.
         if let Err(error) = stream.set_nodelay(true) {
             tracing::debug!(%error, "TCP_NODELAY could not be set");
         }
-        let stream = Arc::new(Mutex::new(stream));
-        let state = Arc::clone(entry.state());
-        let App { router, refuse, budget } = self.app.clone();
-        let client = ClientStream::new(Arc::clone(&stream), Arc::clone(&state), self.timeouts, refuse, budget.open());
-        let mut departure = Departure::new(stream, Arc::clone(&state));
-        let closes = entry.is_in_reserve();
-        let service = service_fn(move |request: Request<Incoming>| {
-            state.begin_request(!request.body().is_end_stream());
-            let request = request.map(|body| RequestBody { body, state: Arc::clone(&state) });
-            let answer = router.clone().oneshot(request);
-            let state = Arc::clone(&state);
-            async move {
-                let mut answer = answer.await?;
-                state.begin_answer();
-                if closes {
-                    answer.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
-                }
-                Ok::<_, Infallible>(answer.map(|body| AnswerBody { body, state }))
+        let App { router, refuse } = self.app.clone();
+        let client = TokioIo::new(ClientStream::new(stream, self.write_timeout, refuse));
+        let connection = self.ending.watch(self.protocol.serve_connection(client, TowerToHyperService::new(router)));
+        let cut = self.remaining.cut.clone();
+        self.remaining.tasks.spawn(async move {
+            // Clients that closed the connection or were too slow; their requests have their own log lines.
+            if let Some(Err(error)) = cut.run_until_cancelled(connection).await {
+                tracing::debug!(%error, "a connection ended early");
             }
-        });
-        let connection = self.protocol.serve_connection(TokioIo::new(client), service);
-        let watcher = self.ending.watcher();
-        tokio::spawn(async move {
-            let mut served = pin!(watcher.watch(connection));
-            let ended = poll_fn(|context| match served.as_mut().poll(context) {
-                Poll::Ready(served) => Poll::Ready(Some(served)),
-                Poll::Pending => departure.poll(context).map(|()| None),
-            });
-            // Such clients closed the connection or were too slow; their requests have their own log lines.
-            match ended.await {
-                Some(Ok(())) => {}
-                Some(Err(error)) => tracing::debug!(%error, "a connection ended early"),
-                None => tracing::debug!("a client closed its connection before the answer was ready"),
-            }
-            drop(entry);
+            drop(place);
         });
     }
 
@@ -178,17 +154,22 @@ impl Connections {
     async fn sweep(&self, listener: &TcpListener) {
         // One turn of the scheduler suffices for connections in the queue.
         while let Ok(Ok((stream, _))) = timeout(Duration::ZERO, listener.accept()).await {
-            self.spawn(stream, self.table.enter_beyond_limit());
+            self.spawn(stream, None);
         }
     }
 
-    async fn end(self, grace: Duration) {
+    async fn end(self, grace: Duration) -> Remaining {
         sleep(SETTLING).await;
         tracing::info!(connections = self.ending.count(), "no more connections are accepted");
-        let open = self.table;
+        self.remaining.tasks.close();
         if timeout(grace, self.ending.shutdown()).await.is_err() {
-            tracing::warn!(connections = open.count(), grace_s = grace.as_secs(), "the grace is over: connections are closed");
+            tracing::warn!(
+                connections = self.remaining.tasks.len(),
+                grace_s = grace.as_secs(),
+                "the grace is over: connections are closed"
+            );
         }
+        self.remaining
     }
 }
 

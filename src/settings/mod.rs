@@ -1,174 +1,160 @@
-//! The settings: one structure, each field with a flag, a `SCALLOPD_*` variable, a default and a line of help
-//! (`command_line`). All values are checked together, so that the program reports every fault at its start.
+//! The settings: one table, a row for each with its type, default, parser and line of help. The row's name gives the flag
+//! (`--max-json`) and the variable (`SCALLOPD_MAX_JSON`). All values are checked together, so that the program reports
+//! every fault at its start.
 
 mod command_line;
-mod fault;
+mod value;
 
+use std::fmt;
 use std::net::SocketAddr;
 use std::time::Duration;
 
+use http::Uri;
+use tracing::level_filters::LevelFilter;
+
 pub use command_line::{Command, CommandLineError, OpenApiVersion};
-pub use fault::{Fault, Faults, Reason};
-use fault::{address, collector, count, level, log_format, optional_address, origins, seconds, take};
+pub use value::{CorsOrigins, LogFormat, Reason};
 
-/// All settings.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Settings {
-    /// The address to listen on.
-    pub listen: SocketAddr,
-    /// The address to listen on for probes and scrapes, on a separate thread; `/metrics` is then served there only.
-    pub health_listen: Option<SocketAddr>,
-    /// The settings of logs and traces.
-    pub telemetry: TelemetrySettings,
-    /// The settings of connections.
-    pub server: ServerSettings,
-    /// The settings of requests.
-    pub http: HttpSettings,
+/// The prefix of all variables.
+const PREFIX: &str = "SCALLOPD_";
+
+/// A row of the table: a setting as the command line knows it.
+struct Row {
+    name: &'static str,
+    value_name: &'static str,
+    default: &'static str,
+    help: &'static str,
 }
 
-/// The settings of logs and traces.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TelemetrySettings {
-    /// The form of a log line.
-    pub log_format: LogFormat,
-    /// The least severe line that is written.
-    pub log_level: tracing::level_filters::LevelFilter,
-    /// The collector's base address for OTLP over HTTP; no traces without one.
-    pub otlp_endpoint: Option<http::Uri>,
+/// The text given for the setting of a name.
+type Given<'a> = &'a dyn Fn(&'static str) -> String;
+
+macro_rules! settings {
+    ($($(#[doc = $help:literal])+ $name:ident: $type:ty, $value_name:literal = $default:literal, $read:path;)+) => {
+        /// All settings.
+        #[derive(Debug, Clone, PartialEq)]
+        pub struct Settings {
+            $($(#[doc = $help])+ pub $name: $type,)+
+        }
+
+        const ROWS: &[Row] = &[
+            $(Row { name: stringify!($name), value_name: $value_name, default: $default, help: concat!($($help),+) },)+
+        ];
+
+        impl Settings {
+            /// Parses and checks all values.
+            ///
+            /// # Errors
+            /// Every fault, each with its flag and variable.
+            fn read(given: Given<'_>) -> Result<Self, Faults> {
+                let mut faults = Faults(Vec::new());
+                $(let $name = faults.take(stringify!($name), given, $read);)+
+                let read = || Some(Self { $($name: $name?,)+ });
+                read().ok_or(faults)
+            }
+        }
+    };
 }
 
-/// The form of a log line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LogFormat {
-    /// For people at a terminal.
-    Pretty,
-    /// One JSON object on each line, for a log collector.
-    Json,
-}
-
-/// The settings of connections.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ServerSettings {
-    /// The longest time from the first to the last byte of a request's head, and from a new connection to its first
-    /// head.
-    pub header_timeout: Duration,
-    /// The longest time for which a connection may be idle between requests.
-    pub idle_timeout: Duration,
-    /// The longest time for which a client may leave an answer unread.
-    pub write_timeout: Duration,
-    /// The largest number of open connections; further ones close idle ones.
-    pub max_connections: usize,
-    /// The time for which the server still accepts requests after a signal, with `/readyz` at 503, so that load
-    /// balancers notice.
-    pub drain_delay: Duration,
-    /// The longest time for requests in flight to finish after that.
-    pub shutdown_grace: Duration,
-}
-
-/// The settings of requests.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HttpSettings {
-    /// The largest JSON body of a batch or a recommendation, decompressed.
-    pub max_json_bytes: u64,
-    /// The largest upload, decompressed.
-    pub max_upload_bytes: u64,
-    /// The time from a request's last byte to its answer.
-    pub request_timeout: Duration,
-    /// The longest pause within a body.
-    pub body_idle_timeout: Duration,
-    /// The least average rate of a body, in bytes a second.
-    pub min_body_rate: u64,
-    /// The largest number of requests in flight at once, without probes; further ones are shed.
-    pub max_in_flight: usize,
-    /// The largest number of uploads and batches processed at once; further ones are shed.
-    pub max_concurrent_work: usize,
-    /// The memory budget for all data whose size clients determine.
-    pub memory_budget_bytes: u64,
-    /// The origins whose pages may call the service.
-    pub cors_origins: CorsOrigins,
-}
-
-impl HttpSettings {
-    /// The largest body of a single calculation in bytes, some thousand times what one needs. It is less than
-    /// [`max_json_bytes`](Self::max_json_bytes), because the bodies of all requests in flight are in memory together.
-    pub const MAX_SINGLE_BYTES: u64 = 64 * 1024;
-}
-
-/// The origins whose pages may call the service.
-#[derive(Debug, Clone, PartialEq)]
-pub enum CorsOrigins {
-    /// Any page.
-    Any,
-    /// Pages of these origins; none in an empty list.
-    Listed(Vec<http::HeaderValue>),
+settings! {
+    /// IP address and port to listen on; port 0 picks a free one, which is logged
+    listen: SocketAddr, "ADDR" = "127.0.0.1:8080", value::address;
+    /// IP address and port for probes and metrics only, on a separate thread; empty to serve them on the listening
+    /// address
+    health_listen: Option<SocketAddr>, "ADDR" = "", value::optional_address;
+    /// Format of the log lines on standard output: pretty or json
+    log_format: LogFormat, "FORMAT" = "json", value::log_format;
+    /// Least severe log line that is written: off, error, warn, info, debug or trace
+    log_level: LevelFilter, "LEVEL" = "info", value::level;
+    /// Base address of a collector of OTLP traces over HTTP, such as http://collector:4318
+    otlp_endpoint: Option<Uri>, "URL" = "", value::collector;
+    /// Origins of pages that may call the service, separated by commas, or * for any
+    cors_origins: CorsOrigins, "ORIGINS" = "", value::origins;
+    /// Requests in flight at once, without probes and metrics; further ones are shed with 503. Four times as many
+    /// connections may be open; further ones wait until one closes
+    max_in_flight: usize, "COUNT" = "1024", value::count;
+    /// Uploads and batches computed at once; further ones are shed with 503
+    max_concurrent_work: usize, "COUNT" = "16", value::count;
+    /// Largest JSON body of a batch or a recommendation, decompressed; that of a single calculation is at most 64 KiB
+    max_json: u64, "SIZE" = "64MiB", value::size;
+    /// Largest upload, decompressed
+    max_upload: u64, "SIZE" = "1GiB", value::size;
+    /// Memory for all data whose size clients determine: bodies, vertices, unsent answers; requests beyond it get 503
+    memory_budget: u64, "SIZE" = "512MiB", value::budget;
+    /// Longest time for a client to send a head, between its requests, between two parts of a body, and before an
+    /// answer that it does not read
+    client_timeout_s: Duration, "SECONDS" = "30", value::seconds_from_1;
+    /// Longest time from a request's last byte to its answer
+    request_timeout_s: Duration, "SECONDS" = "60", value::seconds_from_1;
+    /// After SIGTERM, time with /readyz at 503 before the server stops accepting connections
+    drain_delay_s: Duration, "SECONDS" = "0", value::seconds;
+    /// After that, time for the requests in flight to finish; empty for the request time-out
+    shutdown_grace_s: Option<Duration>, "SECONDS" = "", value::optional_seconds;
 }
 
 impl Settings {
-    /// Parses and checks all values.
-    ///
-    /// # Errors
-    /// Every fault, each with its flag and variable.
-    fn read(given: &command_line::RawSettings) -> Result<Self, Faults> {
-        let mut faults = Vec::new();
-        let listen = take(&mut faults, "SCALLOPD_LISTEN", &given.listen, address);
-        let telemetry = TelemetrySettings::read(given, &mut faults);
-        let server = ServerSettings::read(given, &mut faults);
-        let http = HttpSettings::read(given, &mut faults);
-        let health_listen = take(&mut faults, "SCALLOPD_HEALTH_LISTEN", &given.health_listen, optional_address);
-        let whole = || Some(Self { listen: listen?, health_listen: health_listen?, telemetry: telemetry?, server: server?, http: http? });
-        whole().ok_or(Faults(faults))
+    /// The largest number of open connections. Clients keep connections between their requests.
+    #[must_use]
+    pub fn max_connections(&self) -> usize {
+        self.max_in_flight.saturating_mul(4)
+    }
+
+    /// The longest time for requests in flight to finish when the server stops.
+    #[must_use]
+    pub fn shutdown_grace(&self) -> Duration {
+        self.shutdown_grace_s.unwrap_or(self.request_timeout_s)
     }
 }
 
-impl TelemetrySettings {
-    fn read(given: &command_line::RawSettings, faults: &mut Vec<Fault>) -> Option<Self> {
-        let log_format = take(faults, "SCALLOPD_LOG_FORMAT", &given.log_format, log_format);
-        let log_level = take(faults, "SCALLOPD_LOG_LEVEL", &given.log_level, level);
-        let otlp_endpoint = take(faults, "SCALLOPD_OTLP_ENDPOINT", &given.otlp_endpoint, collector);
-        Some(Self { log_format: log_format?, log_level: log_level?, otlp_endpoint: otlp_endpoint? })
+/// The names of the environment's variables that have the prefix of settings and belong to none.
+#[must_use]
+pub fn unknown_variables() -> Vec<String> {
+    let names = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
+    names.filter(|name| name.starts_with(PREFIX) && ROWS.iter().all(|row| variable(row.name) != *name)).collect()
+}
+
+fn variable(name: &str) -> String {
+    format!("{PREFIX}{}", name.to_uppercase())
+}
+
+fn flag(name: &str) -> String {
+    name.replace('_', "-")
+}
+
+/// A setting with an invalid value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// The setting's name in the table.
+    pub name: &'static str,
+    /// The value given by the flag or the variable.
+    pub given: String,
+    /// The reason why the value is invalid.
+    pub reason: Reason,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "--{} or {}: {:?} {}", flag(self.name), variable(self.name), self.given, self.reason)
     }
 }
 
-impl ServerSettings {
-    fn read(given: &command_line::RawSettings, faults: &mut Vec<Fault>) -> Option<Self> {
-        let header_timeout = take(faults, "SCALLOPD_HEADER_TIMEOUT_S", &given.header_timeout_s, seconds(1));
-        let idle_timeout = take(faults, "SCALLOPD_IDLE_TIMEOUT_S", &given.idle_timeout_s, seconds(1));
-        let write_timeout = take(faults, "SCALLOPD_WRITE_TIMEOUT_S", &given.write_timeout_s, seconds(1));
-        let max_connections = take(faults, "SCALLOPD_MAX_CONNECTIONS", &given.max_connections, count);
-        let drain_delay = take(faults, "SCALLOPD_DRAIN_DELAY_S", &given.drain_delay_s, seconds(0));
-        let shutdown_grace = take(faults, "SCALLOPD_SHUTDOWN_GRACE_S", &given.shutdown_grace_s, seconds(0));
-        Some(Self {
-            header_timeout: header_timeout?,
-            idle_timeout: idle_timeout?,
-            write_timeout: write_timeout?,
-            max_connections: max_connections?,
-            drain_delay: drain_delay?,
-            shutdown_grace: shutdown_grace?,
-        })
+/// All settings with invalid values.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Faults(pub Vec<Fault>);
+
+impl Faults {
+    /// Parses the value given for the setting `name`. If that fails, adds the fault and returns `None`.
+    fn take<T>(&mut self, name: &'static str, given: Given<'_>, read: impl FnOnce(&str) -> Result<T, Reason>) -> Option<T> {
+        let given = given(name);
+        read(given.trim()).map_err(|reason| self.0.push(Fault { name, given, reason })).ok()
     }
 }
 
-impl HttpSettings {
-    fn read(given: &command_line::RawSettings, faults: &mut Vec<Fault>) -> Option<Self> {
-        let max_json_bytes = take(faults, "SCALLOPD_MAX_JSON_BYTES", &given.max_json_bytes, fault::bytes);
-        let max_upload_bytes = take(faults, "SCALLOPD_MAX_UPLOAD_BYTES", &given.max_upload_bytes, fault::bytes);
-        let request_timeout = take(faults, "SCALLOPD_REQUEST_TIMEOUT_S", &given.request_timeout_s, seconds(1));
-        let body_idle_timeout = take(faults, "SCALLOPD_BODY_IDLE_TIMEOUT_S", &given.body_idle_timeout_s, seconds(1));
-        let min_body_rate = take(faults, "SCALLOPD_MIN_BODY_BYTES_S", &given.min_body_bytes_s, fault::rate);
-        let max_in_flight = take(faults, "SCALLOPD_MAX_IN_FLIGHT", &given.max_in_flight, count);
-        let max_concurrent_work = take(faults, "SCALLOPD_MAX_CONCURRENT_WORK", &given.max_concurrent_work, count);
-        let memory_budget_bytes = take(faults, "SCALLOPD_MEMORY_BUDGET_BYTES", &given.memory_budget_bytes, fault::bytes);
-        let cors_origins = take(faults, "SCALLOPD_CORS_ORIGINS", &given.cors_origins, origins);
-        Some(Self {
-            max_json_bytes: max_json_bytes?,
-            max_upload_bytes: max_upload_bytes?,
-            request_timeout: request_timeout?,
-            body_idle_timeout: body_idle_timeout?,
-            min_body_rate: min_body_rate?,
-            max_in_flight: max_in_flight?,
-            max_concurrent_work: max_concurrent_work?,
-            memory_budget_bytes: memory_budget_bytes?,
-            cors_origins: cors_origins?,
-        })
+impl fmt::Display for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "these settings are invalid:")?;
+        self.0.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
     }
 }
+
+impl std::error::Error for Faults {}

@@ -2,9 +2,8 @@
 
 mod bezier;
 mod bounds;
-mod facets;
+mod delaunay;
 mod grid;
-mod lanes;
 pub mod mesh;
 mod moments;
 mod piece;
@@ -13,7 +12,6 @@ pub mod read;
 mod received;
 mod sampled;
 mod shape;
-mod slope;
 mod triangulation;
 mod unit;
 
@@ -23,7 +21,7 @@ pub use grid::{Grid, GridError};
 pub use mesh::{FinishFacet, Mesh, MeshBuilder, MeshError, MeshPart};
 pub use moments::Moments;
 pub use principal_axes::PrincipalAxes;
-pub(crate) use received::{ReceivedPart, ReceivedSurface};
+pub(crate) use received::{MOST_FACETS, ReceivedSurface};
 pub use sampled::{Facing, SampledSurface};
 pub use shape::{Basis, Shape, ShapeError};
 pub use triangulation::LONG_EDGE;

@@ -57,21 +57,6 @@ impl Moments {
         }
     }
 
-    /// Adds moments of order 0, 1 and 2 about the same shift.
-    pub(super) fn add_sums(&mut self, weight: f64, first: [f64; 3], second: [f64; 6]) {
-        self.weight += weight;
-        for (own, more) in self.first.iter_mut().zip(first) {
-            *own += more;
-        }
-        for (own, more) in self.second.iter_mut().zip(second) {
-            *own += more;
-        }
-    }
-
-    pub(super) fn shift(&self) -> [f64; 3] {
-        self.shift
-    }
-
     /// Adds the moments of `other`, which may have another shift.
     pub fn merge(&mut self, other: &Self) {
         let d = difference(other.shift, self.shift);

@@ -33,6 +33,26 @@ impl Piece {
         self.slope_by_weight += slope(normal);
     }
 
+    /// Adds a facet of this area; `normal` may have any length.
+    #[inline]
+    pub(super) fn add_facet(&mut self, corners: [[f64; 3]; 3], normal: [f64; 3], area: f64) {
+        self.count += 1;
+        self.moments.add_triangle(corners, area);
+        for corner in corners {
+            self.bounds.include(corner);
+        }
+        self.area += area;
+        self.slope_by_weight += area * slope(normal);
+    }
+
+    /// Takes a facet out of the sums. The box stays.
+    pub(super) fn remove_facet(&mut self, corners: [[f64; 3]; 3], normal: [f64; 3], area: f64) {
+        self.count -= 1;
+        self.moments.add_triangle(corners, -area);
+        self.area -= area;
+        self.slope_by_weight -= area * slope(normal);
+    }
+
     pub(super) fn merge(&mut self, other: &Self) {
         self.count += other.count;
         self.moments.merge(&other.moments);

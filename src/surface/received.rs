@@ -1,12 +1,11 @@
 //! A surface that is being received, from a file or from JSON: the sums for its shape, and its facets.
 
 use super::mesh::{MeshBuilder, MeshPart};
-use super::read::MostOfPush;
 use super::{PartedSink, SampledSurface, Sink};
 use crate::cancellation::CancelFlag;
 
 /// The largest number of facets of a surface; more are merged on a raster.
-const MOST_FACETS: usize = 500_000;
+pub(crate) const MOST_FACETS: usize = 500_000;
 
 /// A surface or a part of one that is being received: the sums for its shape, and its facets in `M`.
 #[derive(Debug, Default)]
@@ -26,20 +25,13 @@ impl ReceivedSurface {
     pub(crate) fn until(cancel: &CancelFlag) -> Self {
         Self { sampled: SampledSurface::new(), mesh: MeshBuilder::with_facet_limit(MOST_FACETS).with_cancel_flag(cancel) }
     }
+}
 
-    /// The memory of the facets, in bytes.
-    pub(crate) fn held_bytes(&self) -> u64 {
-        self.mesh.held_bytes() as u64
-    }
-
-    /// The additional memory in bytes to read at most `push` of a file whose reader stores `vertices` vertices.
-    pub(crate) fn bytes_to_take(&self, push: MostOfPush, vertices: usize) -> u64 {
-        (self.mesh.bytes_to_take(push.facets, push.corners + vertices) + push.held) as u64
-    }
-
-    /// The additional memory in bytes to read a 3MF package, whatever it contains.
-    pub(crate) fn bytes_to_take_package(&self) -> u64 {
-        self.mesh.bytes_to_take(MOST_FACETS, 3 * MOST_FACETS) as u64
+impl ReceivedSurface {
+    /// Leaves out facets that have the same corners as another one, as [`MeshBuilder::leave_out_duplicates`].
+    pub(crate) fn leave_out_duplicates(&mut self) {
+        let Self { sampled, mesh } = self;
+        mesh.leave_out_duplicates(|corners| sampled.leave_out(corners));
     }
 }
 

@@ -1,31 +1,22 @@
-//! Export of traces to a collector, by OTLP over HTTP with protobuf. The HTTP client is hyper's, which the server
-//! already uses. A local collector must add TLS to a remote backend.
+//! Export of traces to a collector, by OTLP over HTTP with protobuf. A local collector must add TLS to a remote backend.
 
 use std::io;
 use std::time::Duration;
 
-use bytes::Bytes;
-use http::{HeaderMap, Request, Response, Uri};
-use http_body_util::{BodyExt, Full, Limited};
-use hyper_util::client::legacy::Client;
-use hyper_util::client::legacy::connect::HttpConnector;
-use hyper_util::rt::TokioExecutor;
+use http::{HeaderMap, Uri};
 use opentelemetry::propagation::TextMapPropagator;
 use opentelemetry::trace::TracerProvider;
-use opentelemetry_http::{HeaderExtractor, HttpClient, HttpError};
-use opentelemetry_otlp::{SpanExporter, WithExportConfig, WithHttpConfig};
+use opentelemetry_http::HeaderExtractor;
+use opentelemetry_otlp::{SpanExporter, WithExportConfig};
 use opentelemetry_sdk::Resource;
 use opentelemetry_sdk::propagation::TraceContextPropagator;
 use opentelemetry_sdk::trace::SdkTracerProvider;
-use tokio::runtime::Handle;
 use tracing::{Span, Subscriber};
 use tracing_opentelemetry::{OpenTelemetryLayer, OpenTelemetrySpanExt};
 use tracing_subscriber::registry::LookupSpan;
 
 /// The longest time for the collector to accept a batch of spans.
 const EXPORT_TIMEOUT: Duration = Duration::from_secs(10);
-/// The largest answer that is read. Collectors send a few bytes.
-const LARGEST_ANSWER: usize = 64 * 1024;
 /// The longest time that `stop` waits for the last batch.
 const LAST_EXPORT: Duration = Duration::from_secs(5);
 
@@ -41,8 +32,8 @@ impl Traces {
         let base = endpoint.to_string();
         let exporter = SpanExporter::builder()
             .with_http()
-            .with_http_client(CollectorClient::new(Handle::current()))
             .with_endpoint(format!("{}/v1/traces", base.trim_end_matches('/')))
+            .with_timeout(EXPORT_TIMEOUT)
             .build()
             .map_err(io::Error::other)?;
         let resource = Resource::builder().with_service_name(env!("CARGO_PKG_NAME")).build();
@@ -65,31 +56,5 @@ pub(super) fn continue_trace(span: &Span, headers: &HeaderMap) {
         let caller = TraceContextPropagator::new().extract(&HeaderExtractor(headers));
         // An error means that traces are not enabled.
         let _ = span.set_parent(caller);
-    }
-}
-
-/// An HTTP client that sends the requests of the exporter's thread on the server's runtime.
-#[derive(Debug)]
-struct CollectorClient {
-    runtime: Handle,
-    client: Client<HttpConnector, Full<Bytes>>,
-}
-
-impl CollectorClient {
-    fn new(runtime: Handle) -> Self {
-        Self { runtime, client: Client::builder(TokioExecutor::new()).build_http() }
-    }
-}
-
-#[async_trait::async_trait]
-impl HttpClient for CollectorClient {
-    async fn send_bytes(&self, request: Request<Bytes>) -> Result<Response<Bytes>, HttpError> {
-        let client = self.client.clone();
-        let exchange = async move {
-            let (parts, body) = client.request(request.map(Full::new)).await?.into_parts();
-            let body = Limited::new(body, LARGEST_ANSWER).collect().await?.to_bytes();
-            Ok::<_, HttpError>(Response::from_parts(parts, body))
-        };
-        self.runtime.spawn(async move { tokio::time::timeout(EXPORT_TIMEOUT, exchange).await }).await??
     }
 }

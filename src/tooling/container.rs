@@ -1,10 +1,12 @@
 //! Detects the format of a library file by its content, and reads the files of a zip.
 
-use super::fault::{Flaw, LibraryFault, LibraryFaultKind, LibraryFaults, quoted};
+use super::library_fault::{Flaw, LibraryFault, LibraryFaultKind, LibraryFaults, quoted};
 use super::{ToolLibrary, ToolPlace, csv, freecad, fusion};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
 use crate::cancellation::CancelFlag;
-use crate::json_text::{JsonText, Unread};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use serde_json::value::RawValue;
 use std::collections::HashMap;
 
 /// The largest library file, and the largest decompressed size of a zip: 3 kB for each of 10,000 tools.
@@ -32,45 +34,24 @@ pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: 
     Ok(())
 }
 
-/// The members of a JSON file that identify its format.
-#[derive(Debug, Clone, Copy, Default)]
+/// The members of a JSON file that identify its format. null counts as absent.
+#[derive(Deserialize)]
 struct Members<'a> {
-    data: Option<JsonText<'a>>,
-    parameter: Option<JsonText<'a>>,
-    shape: Option<JsonText<'a>>,
-    tools: Option<JsonText<'a>>,
+    #[serde(borrow)]
+    data: Option<&'a RawValue>,
+    parameter: Option<IgnoredAny>,
+    shape: Option<IgnoredAny>,
+    tools: Option<IgnoredAny>,
 }
 
 impl<'a> Members<'a> {
-    /// The members of a JSON text. Once `cancel` is set, it returns early with a flaw that must be discarded.
-    fn of(text: &'a str, cancel: &CancelFlag) -> Result<Self, Flaw> {
-        /// More members than the file of any program has.
-        const MOST: usize = 1000;
-        let (_, object) =
-            JsonText::check_object(text.as_bytes(), MOST, &|| cancel.is_cancelled()).map_err(|error| Flaw::json(EXPECTED, &error))?;
-        let object = object.map_err(|unread| match unread {
-            Unread::Name(error) => Flaw::json(EXPECTED, &error),
-            Unread::OtherType | Unread::Cancelled => Flaw::malformed(EXPECTED, "an array"),
-        })?;
-        if object.unkept > 0 {
-            return Err(Flaw::too_large(format!("at most {MOST} members"), "more"));
+    fn of(text: &'a str) -> Result<Self, Flaw> {
+        let flaw = |error| Flaw::json(EXPECTED, &error);
+        if text.trim_start().starts_with('[') {
+            let _syntax: IgnoredAny = serde_json::from_str(text).map_err(flaw)?;
+            return Err(Flaw::malformed(EXPECTED, "an array"));
         }
-        let mut members = Self::default();
-        for (name, value) in object.kept {
-            let member = match &*name {
-                "data" => &mut members.data,
-                "parameter" => &mut members.parameter,
-                "shape" => &mut members.shape,
-                "tools" => &mut members.tools,
-                _ => continue,
-            };
-            if member.replace(value).is_some() {
-                return Err(Flaw::malformed(EXPECTED, format!("the member {name} more than once")));
-            }
-        }
-        let stated = |member: Option<JsonText<'a>>| member.filter(|value| value.get() != "null");
-        let Self { data, parameter, shape, tools } = members;
-        Ok(Self { data: stated(data), parameter: stated(parameter), shape: stated(shape), tools: stated(tools) })
+        serde_json::from_str(text).map_err(flaw)
     }
 }
 
@@ -81,8 +62,8 @@ fn read_plain(bytes: &[u8], file: &str, number: Option<u32>, library: &mut ToolL
     if !text.trim_start().starts_with(['{', '[']) {
         return csv::read(&text, file, library, cancel);
     }
-    match Members::of(&text, cancel).map_err(|flaw| flaw.in_file(file))? {
-        Members { data: Some(data), .. } => Ok(fusion::read(data, file, library, cancel)?),
+    match Members::of(&text).map_err(|flaw| flaw.in_file(file))? {
+        Members { data: Some(data), .. } => Ok(fusion::read(data, file, library)?),
         Members { parameter: Some(_), .. } | Members { shape: Some(_), .. } => Ok(freecad::read_tool(&text, file, number, library)?),
         Members { tools: Some(_), .. } => Err(unknown("a list of FreeCAD, which names the files of its tools; send a zip of them all")),
         _ => Err(unknown("JSON without the members data (Fusion) or parameter (FreeCAD)")),
@@ -104,12 +85,14 @@ struct ListedFile {
 impl Listed {
     /// Reads all lists of an archive. The inner `None` means that the archive has no lists, so that all its tools are
     /// read.
-    fn read(archive: &Archive, path: impl Fn(&str) -> String) -> Result<Option<Self>, LibraryFaults> {
+    fn read(archive: &mut Archive, path: impl Fn(&str) -> String) -> Result<Option<Self>, LibraryFaults> {
         let (mut listed, mut faults, mut has_lists) = (Self::default(), Vec::new(), false);
-        for entry in archive.files().filter(|entry| extension(entry.name()) == "fctl" && !is_companion(entry.name())) {
+        let lists: Vec<String> =
+            archive.files().filter(|name| extension(name) == "fctl" && !is_companion(name)).map(str::to_owned).collect();
+        for name in lists {
             has_lists = true;
-            let list = path(entry.name());
-            let content = archive.content(entry).map_err(|fault| flaw(&fault).in_file(&list));
+            let list = path(&name);
+            let content = archive.content(&name).map_err(|fault| flaw(&fault).in_file(&list));
             match content.and_then(|content| freecad::read_list(&content, &list)) {
                 Ok(tools) => listed.add(tools, &list)?,
                 Err(fault) => faults.push(fault),
@@ -145,12 +128,13 @@ impl Listed {
 /// Reads all libraries and tools of a zip, in the order of its directory. If it has lists of FreeCAD, tool files that
 /// none of them names are counted, not read.
 fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
-    let archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?.until(cancel);
+    let mut archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?;
     let path = |name: &str| format!("{file}/{name}");
-    let mut listed = Listed::read(&archive, path)?;
+    let mut listed = Listed::read(&mut archive, path)?;
     let mut faults = Vec::new();
-    for entry in archive.files().take_while(|_| !cancel.is_cancelled()) {
-        let (name, path) = (entry.name(), path(entry.name()));
+    let names: Vec<String> = archive.files().map(str::to_owned).collect();
+    for name in names.iter().take_while(|_| !cancel.is_cancelled()) {
+        let path = path(name);
         let extension = extension(name);
         match extension.as_str() {
             _ if is_companion(name) => library.skipped_files += 1,
@@ -167,7 +151,7 @@ fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &Ca
                 if let Some(file) = listed {
                     file.is_found = true;
                 }
-                let read = match archive.content(entry).map_err(|fault| flaw(&fault).in_file(&path)) {
+                let read = match archive.content(name).map_err(|fault| flaw(&fault).in_file(&path)) {
                     Ok(bytes) if Archive::is_archive(&bytes) => Err(nested(&path).into()),
                     Ok(bytes) if extension == "fctb" => read_tool_file(&bytes, &path, number, library, cancel),
                     Ok(bytes) => read_plain(&bytes, &path, number, library, cancel),

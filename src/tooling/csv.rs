@@ -2,13 +2,16 @@
 //! `name,type,diameter_mm,corner_radius_mm,teeth,spindle_speed_rpm,max_feed_per_tooth_mm`, with `_in` for inches in
 //! place of `_mm`; also `number`, `flute_length_mm` and `preset`.
 //!
+//! Fusion's own table, exported as CSV or copied with tabs, has columns such as `Diameter (tool_diameter)`, and the unit
+//! of each tool in a column. Names and units of catalogues are read too: `Dia (mm)`, `Flutes`, `Description`.
+//!
 //! Columns may be in any order; other columns are not read. The separator of the header is detected: a comma, a
 //! semicolon or a tab; a line `sep=;` before the header states it. A decimal comma is accepted if the comma is not the
 //! separator, or in quotation marks.
 
+use super::cutter_shape::Shape;
 use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number, unambiguous_thousands};
-use super::fault::{Flaw, Flaws, LibraryFaults, quoted};
-use super::shape::Shape;
+use super::library_fault::{Flaw, Flaws, LibraryFaults, quoted};
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;
@@ -23,10 +26,20 @@ enum Column {
     Teeth,
     SpindleSpeed,
     Preset,
-    Diameter(LengthUnit),
-    CornerRadius(LengthUnit),
-    MaxFeedPerTooth(LengthUnit),
-    FluteLength(LengthUnit),
+    /// The unit of the lengths in the same line.
+    Unit,
+    Diameter(ColumnUnit),
+    CornerRadius(ColumnUnit),
+    MaxFeedPerTooth(ColumnUnit),
+    FluteLength(ColumnUnit),
+}
+
+/// The unit of a column of lengths.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum ColumnUnit {
+    Stated(LengthUnit),
+    /// The unit in the column [`Column::Unit`].
+    OfLine,
 }
 
 /// The largest table in bytes: 400 for each of 10,000 tools. It also limits the number of fields.
@@ -97,10 +110,11 @@ impl Table {
     /// The columns that a header names, or all its faults.
     fn of(header: &::csv::StringRecord, file: &str) -> Result<Self, LibraryFaults> {
         let mut flaws = Vec::new();
+        let has_units = header.iter().any(|name| matches!(column(name, false), Ok(Some(Column::Unit))));
         let columns: Vec<Option<Column>> = header
             .iter()
             .map(|name| {
-                column(name).unwrap_or_else(|flaw| {
+                column(name, has_units).unwrap_or_else(|flaw| {
                     flaws.push(flaw);
                     None
                 })
@@ -126,33 +140,68 @@ impl Table {
     }
 }
 
-/// The quantity in a column of this name; `None` for a column that is not read.
-fn column(name: &str) -> Result<Option<Column>, Flaw> {
-    type OfLength = fn(LengthUnit) -> Column;
-    let bare = name.trim().to_lowercase().replace([' ', '-'], "_");
-    let lengths: [(&str, OfLength); 4] = [
-        ("diameter", Column::Diameter),
-        ("corner_radius", Column::CornerRadius),
-        ("max_feed_per_tooth", Column::MaxFeedPerTooth),
-        ("flute_length", Column::FluteLength),
+/// The quantity in a column of this name; `None` for a column that is not read. `has_units` states that another column
+/// has the units of lengths.
+fn column(name: &str, has_units: bool) -> Result<Option<Column>, Flaw> {
+    type OfLength = fn(ColumnUnit) -> Column;
+    let (quantity, unit) = quantity_and_unit(name);
+    // The first name of each is that of the service, which must state a unit.
+    let lengths: [(&[&str], OfLength); 4] = [
+        (&["diameter", "dia", "dc", "cutting_diameter", "cutter_diameter"], Column::Diameter),
+        (&["corner_radius", "corner_rad", "re"], Column::CornerRadius),
+        (&["max_feed_per_tooth", "feed_per_tooth", "fz", "chipload", "chip_load"], Column::MaxFeedPerTooth),
+        (&["flute_length", "length_of_cut", "loc", "lcf"], Column::FluteLength),
     ];
-    for (quantity, column) in lengths {
-        match bare.strip_prefix(quantity) {
-            Some("_mm") => return Ok(Some(column(LengthUnit::MILLIMETRE))),
-            Some("_in") => return Ok(Some(column(LengthUnit::INCH))),
-            Some(_) => return Err(Flaw::malformed(format!("{quantity}_mm or {quantity}_in"), quoted(name))),
-            None => {}
+    for (names, column) in lengths {
+        let is_length = names.contains(&quantity.as_str());
+        let stated = unit.as_deref().and_then(LengthUnit::named).filter(|unit| [LengthUnit::MILLIMETRE, LengthUnit::INCH].contains(unit));
+        match stated {
+            Some(unit) if is_length => return Ok(Some(column(ColumnUnit::Stated(unit)))),
+            None if is_length && unit.is_none() && has_units => return Ok(Some(column(ColumnUnit::OfLine))),
+            None if quantity.starts_with(names[0]) => {
+                return Err(Flaw::malformed(format!("{0}_mm or {0}_in", names[0]), quoted(name)));
+            }
+            _ => {}
         }
     }
-    Ok(match bare.as_str() {
-        "name" => Some(Column::Name),
-        "type" => Some(Column::Kind),
-        "number" => Some(Column::Number),
-        "teeth" => Some(Column::Teeth),
-        "spindle_speed_rpm" => Some(Column::SpindleSpeed),
-        "preset" => Some(Column::Preset),
+    Ok(match quantity.as_str() {
+        "name" | "description" | "tool_name" => Some(Column::Name),
+        "type" | "tool_type" | "kind" => Some(Column::Kind),
+        "number" | "tool_number" | "tool_no" => Some(Column::Number),
+        "teeth" | "flutes" | "number_of_flutes" | "number_of_teeth" | "no_of_flutes" => Some(Column::Teeth),
+        "spindle_speed_rpm" | "spindle_speed" | "rpm" => Some(Column::SpindleSpeed),
+        "preset" | "preset_name" => Some(Column::Preset),
+        "unit" | "units" => Some(Column::Unit),
         _ => None,
     })
+}
+
+/// The quantity that the name of a column states, in lower case with underscores, and its unit: `diameter` and `mm` for
+/// `diameter_mm`, `Diameter (mm)` and `Diameter [mm]`. Fusion repeats a column's name as that of a variable:
+/// `Corner Radius (tool_cornerRadius)`.
+fn quantity_and_unit(name: &str) -> (String, Option<String>) {
+    let plain = |text: &str| text.trim().to_lowercase().replace([' ', '-', '.'], "_").trim_end_matches('_').to_owned();
+    let bracketed = name.trim().strip_suffix([')', ']']).and_then(|name| name.rsplit_once(['(', '[']));
+    if let Some((_, variable)) = bracketed.filter(|(_, inner)| inner.starts_with("tool_") || inner.starts_with("preset_")) {
+        let mut quantity = String::new();
+        for c in variable.strip_prefix("tool_").unwrap_or(variable).chars() {
+            if c.is_uppercase() {
+                quantity.push('_');
+            }
+            quantity.extend(c.to_lowercase());
+        }
+        return (quantity, None);
+    }
+    if let Some((before, unit)) = bracketed {
+        return (plain(before), Some(unit.trim().to_lowercase()));
+    }
+    let bare = plain(name);
+    for unit in ["mm", "in", "inch", "inches"] {
+        if let Some(quantity) = bare.strip_suffix(unit).and_then(|rest| rest.strip_suffix('_')) {
+            return (quantity.to_owned(), Some(unit.to_owned()));
+        }
+    }
+    (bare, None)
 }
 
 /// A line of a table.
@@ -170,12 +219,7 @@ impl<'a> Row<'a> {
         }
         let kind =
             self.text(Column::Kind).ok_or_else(|| Flaw::missing("ball_end, toroidal, flat_end or another type").of_member("type"))?;
-        let shape = match kind.to_lowercase().replace(['_', '-'], " ").as_str() {
-            "ball" | "ball end" | "ball nose" | "ball end mill" => Shape::Ball,
-            "toroidal" | "torus" | "bull nose" | "bullnose" | "bull nose end mill" => Shape::BullNose,
-            "flat" | "flat end" | "end mill" | "flat end mill" => Shape::Flat,
-            _ => return Ok(ReadTool::Other(kind.to_owned())),
-        };
+        let Some(shape) = Shape::named(kind) else { return Ok(ReadTool::Other(kind.to_owned())) };
         let mut flaws = Flaws::default();
         let cutter = flaws.take(self.cutter(shape));
         let speed =
@@ -224,7 +268,17 @@ impl<'a> Row<'a> {
             Column::FluteLength(unit) => ("flute_length", unit),
             _ => return Ok((None, false)),
         };
+        let unit = match unit {
+            ColumnUnit::Stated(unit) => unit,
+            ColumnUnit::OfLine => self.unit()?,
+        };
         let length = number(field).and_then(|value| unit.length_unless_zero(value)).map_err(|flaw| flaw.of_member(name))?;
         Ok((length, true))
+    }
+
+    /// The unit of the lengths of this line.
+    fn unit(&self) -> Result<LengthUnit, Flaw> {
+        let unit = self.text(Column::Unit).ok_or_else(|| Flaw::missing("the unit of the lengths, mm or inches").of_member("unit"))?;
+        LengthUnit::named(unit).ok_or_else(|| Flaw::malformed("mm or inches", quoted(unit)).of_member("unit"))
     }
 }

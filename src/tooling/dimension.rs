@@ -1,6 +1,6 @@
 //! Numbers and lengths as tool libraries write them: with a decimal point or comma, with or without a unit.
 
-use super::fault::{Flaw, quoted};
+use super::library_fault::{Flaw, quoted};
 use super::{HIGHEST_SPINDLE_SPEED, MOST_TEETH};
 use crate::quantity::Length;
 

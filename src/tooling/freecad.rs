@@ -1,10 +1,10 @@
 //! Reader of FreeCAD's tools. A `.fctb` file is one tool in JSON, with a shape and dimensions as text with a unit. A
 //! `.fctl` file lists the tools of a library with their numbers.
 
+use super::cutter_shape::Shape;
 use super::dimension::{LengthUnit, number_with_unit, shown, teeth, tool_number};
-use super::fault::{Flaw, Flaws, LibraryFault};
+use super::library_fault::{Flaw, Flaws, LibraryFault};
 use super::scalar::Scalar;
-use super::shape::Shape;
 use super::{MOST_TOOLS, ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::milling::Cutter;
 use crate::quantity::Length;
@@ -29,7 +29,7 @@ fn within(length: usize, most: usize, what: &str) -> Result<(), Flaw> {
 /// The library is full. Faults of the file are recorded as faults of the tool.
 pub(super) fn read_tool(text: &str, file: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
     let read = within(text.len(), LONGEST_TOOL, "a tool")
-        .and_then(|()| serde_json::from_str::<Tool>(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &(&error).into())));
+        .and_then(|()| serde_json::from_str::<Tool>(text).map_err(|error| Flaw::json("a tool of FreeCAD in JSON", &error)));
     let read = read.map_err(Flaws::from);
     let name = read.as_ref().ok().and_then(Tool::name);
     let tool = read.and_then(|tool| tool.read(number));
@@ -49,7 +49,7 @@ pub(super) struct ListedTool {
 pub(super) fn read_list(text: &[u8], file: &str) -> Result<Vec<ListedTool>, LibraryFault> {
     within(text.len(), LONGEST_LIST, "a list").map_err(|flaw| flaw.in_file(file))?;
     let list: List =
-        serde_json::from_slice(text).map_err(|error| Flaw::json("a list of tools of FreeCAD in JSON", &(&error).into()).in_file(file))?;
+        serde_json::from_slice(text).map_err(|error| Flaw::json("a list of tools of FreeCAD in JSON", &error).in_file(file))?;
     list.tools.0.into_iter().enumerate().map(|(index, item)| item.read(index).map_err(|flaw| flaw.in_file(file))).collect()
 }
 
@@ -134,12 +134,9 @@ impl Tool {
 
     fn read(&self, number: Option<u32>) -> Result<ReadTool, Flaws> {
         let kind = self.kind()?;
-        let shape = match kind.to_lowercase().as_str() {
-            "ballend" => Shape::Ball,
-            "bullnose" | "torus" => Shape::BullNose,
-            "endmill" => Shape::Flat,
-            _ => return Ok(ReadTool::Other(kind)),
-        };
+        // The Better Tool Library imports tools of Fusion under names such as `_fusion_ball_end_mill`.
+        let bare = kind.trim_start_matches('_').to_lowercase();
+        let Some(shape) = Shape::named(bare.strip_prefix("fusion_").unwrap_or(&bare)) else { return Ok(ReadTool::Other(kind)) };
         let parameters = self.parameter.as_ref().ok_or_else(|| Flaw::missing("the dimensions of the cutter").of_member("parameter"))?;
         let mut flaws = Flaws::default();
         let cutter = flaws.take(parameters.cutter(shape));

@@ -5,51 +5,45 @@
 //! tool's lengths are in its `unit`; its `holder`, which has another unit, is not read. Speed and feed come from the
 //! preset with "finish" in its name, otherwise from the first preset.
 
+use super::cutter_shape::Shape;
 use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
-use super::fault::{Flaw, Flaws, LibraryFault};
+use super::library_fault::{Flaw, Flaws, LibraryFault};
 use super::scalar::Scalar;
-use super::shape::Shape;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
-use crate::cancellation::CancelFlag;
-use crate::json_text::{JsonText, Unread};
+use crate::json::each;
 use crate::milling::Cutter;
 use crate::quantity::Length;
 use serde::Deserialize;
 use serde::de::{Deserializer, SeqAccess, Visitor};
-use std::cell::Cell;
+use serde_json::value::RawValue;
 use std::fmt;
 
 /// The longest text of a tool; Fusion writes 2 kB for one.
 const LONGEST_TOOL: usize = 1 << 20;
 
-/// Adds the tools of `data`, the member of a library file. Once `cancel` is set, the other tools are skipped.
+/// Adds the tools of `data`, the member of a library file.
 ///
 /// # Errors
 /// `data` is not an array, or the library is full.
-pub(super) fn read(data: JsonText<'_>, file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFault> {
+pub(super) fn read(data: &RawValue, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
     let (mut result, mut position) = (Ok(()), 0);
-    // Once the library is full, nothing more is read.
-    let is_full = Cell::new(false);
-    let read = data.items(&|| cancel.is_cancelled() || is_full.get(), |item| {
+    let read = each(data, |item| {
         position += 1;
-        if result.is_ok() && !cancel.is_cancelled() {
+        if result.is_ok() {
             result = add(item, position, file, library);
-            is_full.set(result.is_err());
         }
     });
-    match read {
-        Err(Unread::OtherType) => Err(Flaw::malformed("an array of tools", "another value").of_member("data").in_file(file)),
-        _ => result,
-    }
+    read.map_err(|_| Flaw::malformed("an array of tools", "another value").of_member("data").in_file(file))?;
+    result
 }
 
 /// Adds the tool at this position of the file, counted from 1.
-fn add(item: JsonText<'_>, position: usize, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+fn add(item: &RawValue, position: usize, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
     if item.get().len() > LONGEST_TOOL {
         let flaw = Flaw::too_large(format!("a tool of at most {LONGEST_TOOL} bytes"), format!("{} bytes", item.get().len()));
         return library.add(Err(flaw.into()), &ToolPlace { file, position, name: None }).map_err(|flaw| flaw.in_file(file));
     }
-    let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| Flaw::json("a tool in JSON", &(&error).into()).into());
+    let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| Flaw::json("a tool in JSON", &error).into());
     let name = read.as_ref().ok().and_then(Tool::name);
     let tool = match TypeAlone::other(item) {
         // The other members of such a tool may differ from those of a cutter.
@@ -68,7 +62,7 @@ struct TypeAlone {
 
 impl TypeAlone {
     /// The type of a tool that is not a finishing cutter; `None` for a finishing cutter.
-    fn other(item: JsonText<'_>) -> Option<String> {
+    fn other(item: &RawValue) -> Option<String> {
         let Self { kind } = serde_json::from_str(item.get()).ok()?;
         kind?.text().ok().filter(|kind| shape_of(kind).is_none())
     }
@@ -76,12 +70,7 @@ impl TypeAlone {
 
 /// The shape of the finishing cutters of this type.
 fn shape_of(kind: &str) -> Option<Shape> {
-    match kind.trim().to_lowercase().as_str() {
-        "ball end mill" => Some(Shape::Ball),
-        "bull nose end mill" => Some(Shape::BullNose),
-        "flat end mill" => Some(Shape::Flat),
-        _ => None,
-    }
+    Shape::named(kind)
 }
 
 /// A tool. Members that are not named here are skipped.

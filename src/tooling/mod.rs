@@ -11,19 +11,19 @@
 
 mod container;
 mod csv;
+mod cutter_shape;
 mod dimension;
-mod fault;
 mod freecad;
 mod fusion;
+mod library_fault;
 mod scalar;
-mod shape;
 
-pub use fault::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults};
+pub use library_fault::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults};
 
 use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;
 use crate::quantity::Length;
-use fault::{Flaw, Flaws};
+use library_fault::{Flaw, Flaws};
 use std::collections::BTreeMap;
 
 /// The largest number of tools in a library, of all types together.
@@ -93,7 +93,7 @@ impl ToolLibrary {
         Self::read_until(bytes, file_name, &CancelFlag::default())
     }
 
-    /// The same as [`ToolLibrary::read`]. Once `cancel` is set, it returns early, and the result must be discarded.
+    /// Reads a library as [`ToolLibrary::read`] does. Once `cancel` is set, it returns early, and the result must be discarded.
     ///
     /// # Errors
     /// As [`ToolLibrary::read`].

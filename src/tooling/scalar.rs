@@ -1,7 +1,7 @@
 //! A JSON number or text. Values of other types are skipped and not stored.
 
 use super::dimension::number;
-use super::fault::{Flaw, quoted};
+use super::library_fault::{Flaw, quoted};
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 

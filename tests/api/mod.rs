@@ -10,7 +10,6 @@ mod examples;
 mod faults;
 mod floods;
 mod max_feed;
-mod one_pass;
 pub(crate) mod openapi;
 mod pages;
 mod query;

@@ -54,13 +54,13 @@ async fn obtain(wanted: u16, operation: Operation<'_>) -> u16 {
         200 => answer_to_example(operation, &TestApp::start().await).await,
         400 => answer_to(operation, &TestApp::start().await, "{").await,
         408 => {
-            let app = TestApp::start_with(|settings| settings.http.body_idle_timeout = Duration::from_millis(50)).await;
+            let app = TestApp::start_with(|settings| settings.client_timeout_s = Duration::from_millis(50)).await;
             return status_of(half_a_request(&app, path, &content_type(operation)).await).await;
         }
         413 => {
             let app = TestApp::start_with(|settings| {
-                settings.http.max_json_bytes = 64 * 1024;
-                settings.http.max_upload_bytes = 64 * 1024;
+                settings.max_json = 64 * 1024;
+                settings.max_upload = 64 * 1024;
             })
             .await;
             answer_to(operation, &app, " ".repeat(64 * 1024 + 1)).await
@@ -85,7 +85,7 @@ async fn obtain(wanted: u16, operation: Operation<'_>) -> u16 {
             answer_to_example(operation, &app).await
         }
         503 => {
-            let app = TestApp::start_with(|settings| settings.http.max_in_flight = 1).await;
+            let app = TestApp::start_with(|settings| settings.max_in_flight = 1).await;
             let _occupies_the_only_place = half_a_request(&app, "/v1/scallop-height", "application/json").await;
             until_in_flight(&app, 1).await;
             let answer = answer_to_example(operation, &app).await;

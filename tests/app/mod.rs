@@ -28,7 +28,7 @@ pub(crate) struct TestApp {
     pub(crate) state: AppState,
     pub(crate) client: reqwest::Client,
     stop: Option<oneshot::Sender<()>>,
-    served: JoinHandle<std::io::Result<()>>,
+    served: JoinHandle<()>,
 }
 
 /// The status and the JSON of an answer.
@@ -53,17 +53,21 @@ impl TestApp {
 
     /// Serves `routes`.
     pub(crate) async fn serve(settings: Settings, routes: Routes) -> Self {
-        let state = AppState::start(&settings.http).unwrap();
-        let app =
-            App { router: http::service(routes, &settings.http, &state), refuse: http::refusals(&state), budget: state.budget.clone() };
+        let state = AppState::start(&settings).unwrap();
+        let app = App { router: http::service(routes, &settings, &state), refuse: http::refusals(&state) };
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap();
+        let ending = state.readiness.clone();
         let (stop, stopped) = oneshot::channel();
         let served = tokio::spawn(async move {
             let stop = async {
                 let _ = stopped.await;
             };
-            server::serve(listener, app, &settings.server, stop).await
+            let remaining = server::serve(listener, app, &settings, stop).await;
+            if !remaining.is_empty() {
+                ending.end();
+            }
+            remaining.cut().await;
         });
         let client = reqwest::Client::builder().no_gzip().timeout(PATIENCE).build().unwrap();
         Self { address, state, client, stop: Some(stop), served }
@@ -76,7 +80,7 @@ impl TestApp {
 
     /// Waits until the service has stopped.
     pub(crate) async fn stopped(self) {
-        tokio::time::timeout(PATIENCE, self.served).await.expect("the service stops").unwrap().unwrap();
+        tokio::time::timeout(PATIENCE, self.served).await.expect("the service stops").unwrap();
     }
 
     pub(crate) fn url(&self, path: &str) -> String {

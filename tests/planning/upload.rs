@@ -163,7 +163,7 @@ async fn files_that_span_no_surface_are_refused() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_gzip_bomb_ends_at_the_limit() {
-    let app = TestApp::start_with(|settings| settings.http.max_upload_bytes = 8 << 20).await;
+    let app = TestApp::start_with(|settings| settings.max_upload = 8 << 20).await;
     // 64 MiB of one line, in 64 kB.
     let bomb = gzip(&written(&[("surface", &vec![b'1'; 64 << 20])]));
     let answer = app.upload_raw(bomb, true).await;

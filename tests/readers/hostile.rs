@@ -2,19 +2,28 @@
 
 use super::*;
 
-/// Pushes `part` until the reader refuses; returns the number of bytes pushed and the fault.
-fn refused_after(head: &[u8], part: &[u8], name: &str) -> (usize, Fault) {
-    let mut reader = Reader::new(FormatHint::new(None, Some(name)));
-    let mut recorder = Recorder::default();
-    reader.push(head, &mut recorder).unwrap();
-    for count in 1..=100_000_000 / part.len() {
-        if let Err(fault) = reader.push(part, &mut recorder) {
-            assert_eq!(reader.push(b"1 2 3\n", &mut recorder), Err(fault.clone()), "a refusal is final");
-            assert_eq!(reader.finish(&mut recorder), Err(fault.clone()));
-            return (head.len() + count * part.len(), fault);
-        }
+/// A source that delivers a head and then the same part again and again, and counts the bytes.
+struct Endless<'a> {
+    head: &'a [u8],
+    part: &'a [u8],
+    delivered: usize,
+}
+
+impl Read for Endless<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        assert!(self.delivered < 100_000_000, "100 MB have been taken");
+        let mut rest = if self.head.is_empty() { self.part } else { std::mem::take(&mut self.head) };
+        let read = rest.read(buffer)?;
+        self.delivered += read;
+        Ok(read)
     }
-    panic!("100 MB have been taken");
+}
+
+/// Reads an endless file until it is refused; returns the number of bytes taken and the fault.
+fn refused_after(head: &[u8], part: &[u8], name: &str) -> (usize, Fault) {
+    let mut source = Endless { head, part, delivered: 0 };
+    let result = Reader::new(FormatHint::new(None, Some(name))).read(&mut source, &mut Recorder::default());
+    (source.delivered, fault(result.unwrap_err()))
 }
 
 #[test]
@@ -75,10 +84,8 @@ fn vertices_are_limited() {
     };
     let obj = |count: usize| format!("{}f 1 2 3\n", "v 0 0 0\n".repeat(count));
     let result = |file: String| {
-        let mut reader = Reader::new(FormatHint::default()).with_vertex_limit(10);
-        let mut recorder = Recorder::default();
-        reader.push(file.as_bytes(), &mut recorder)?;
-        reader.finish(&mut recorder).map(|summary| summary.facets)
+        let reader = Reader::new(FormatHint::default()).with_vertex_limit(10);
+        reader.read(file.as_bytes(), &mut Recorder::default()).map(|summary| summary.facets).map_err(fault)
     };
     for file in [ply(10), obj(10)] {
         assert_eq!(result(file), Ok(1));
@@ -98,21 +105,28 @@ fn stated_counts_take_no_memory() {
     let head = "ply\nformat binary_little_endian 1.0\nelement vertex 20000000\nproperty float x\nproperty float y\nproperty float z\nelement face 4000000000\nproperty list uint int vertex_index\nend_header\n";
     let stl = [&[0; 80][..], &[0xff; 4], &[0; 50]].concat();
     // More than the 64 KiB that determine the format, so that the bodies are being read.
-    let padding = vec![0; 1 << 16];
-    let before = pages();
-    let readers: Vec<Reader> = (0..40)
-        .map(|index| {
-            let mut reader = Reader::new(FormatHint::default());
-            reader.push(if index % 2 == 0 { head.as_bytes() } else { &stl }, &mut Nothing).unwrap();
-            reader.push(&padding, &mut Nothing).unwrap();
-            reader
-        })
-        .collect();
-    // 20 readers with room for 480 MB each would take 10 GB. The bound of 256 MB is for 40 readers with some hundred kB
-    // each, and for other tests that run at the same time.
-    assert!(pages() < before + (256 << 20) / 4096, "{} readers", readers.len());
+    let padding = vec![0; 1 << 17];
+    for file in [[head.as_bytes(), &padding].concat(), [&stl, &padding[..]].concat()] {
+        let before = pages();
+        let measure = || assert!(pages() < before + (128 << 20) / 4096, "more than 128 MiB for a count");
+        let result = Reader::new(FormatHint::default()).read(AtEnd(&file, measure), &mut Nothing);
+        assert_eq!(fault(result.unwrap_err()).kind(), FaultKind::Truncated);
+    }
 }
 
+/// A source that calls a function at its end.
+struct AtEnd<'a, F>(&'a [u8], F);
+
+impl<F: FnMut()> Read for AtEnd<'_, F> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.0.is_empty() {
+            self.1();
+        }
+        self.0.read(buffer)
+    }
+}
+
+/// A sink that drops all.
 struct Nothing;
 
 impl Sink for Nothing {

@@ -194,8 +194,8 @@ fn all_faults_of_all_tools_are_listed_and_the_other_tools_are_read() {
          start-values.presets.n: expected a spindle speed from 1 to 1000000 rpm, found 1000000000"
     );
     assert_eq!(texts.len(), 3);
-    assert!(texts[1].starts_with("mills, tool 3: expected a tool in JSON, found invalid type: integer `7`"), "{}", texts[1]);
-    assert!(texts[2].starts_with("mills, tool 4: expected a tool in JSON, found invalid type: integer `5`"), "{}", texts[2]);
+    assert!(texts[1].starts_with("mills, tool 3: expected a tool in JSON, found integer `7`, a value of another type"), "{}", texts[1]);
+    assert!(texts[2].starts_with("mills, tool 4: expected a tool in JSON, found integer `5`, a value of another type"), "{}", texts[2]);
     // Beyond the limit, faulty tools are only counted.
     let many = format!("name,type,diameter_mm\n{}B6,ball_end,6\n", "A,ball_end,-1\n".repeat(MOST_FAULTY + 50));
     let library = read(many);
@@ -437,4 +437,76 @@ fn hostile_libraries_are_refused_within_their_limits() {
 fn a_zip_of_many_entries_is_refused_at_the_limit() {
     let fault = refused(&directory_alone(600_000), "many.zip");
     assert_eq!((fault.kind(), fault.found()), (LibraryFaultKind::TooLarge, "a ZIP archive of more than 20000 entries"));
+}
+
+/// The shapes of a library's tools: outer and corner radius, in mm.
+fn radii(bytes: impl AsRef<[u8]>) -> Vec<[f64; 2]> {
+    let library = read(bytes);
+    assert_eq!(library.faulty(), []);
+    let round = |mm: f64| (mm * 1e6).round() / 1e6;
+    library.tools().iter().map(|tool| [round(tool.cutter.outer_radius().mm()), round(tool.cutter.corner_radius().mm())]).collect()
+}
+
+const FUSION_TABLE: &str = "\"Tool Index (tool_index)\",\"Type (tool_type)\",\"Description (tool_description)\",\"Diameter (tool_diameter)\",\"Unit (tool_unit)\",\"Corner Radius (tool_cornerRadius)\",\"Feed per Tooth (tool_feedPerTooth)\",\"Number of Flutes (tool_numberOfFlutes)\",\"Spindle Speed (tool_spindleSpeed)\"\n1,\"ball end mill\",\"quarter ball\",0.25,\"inches\",0.125,0.002,2,18000\n2,\"bull nose end mill\",\"BN\",10,\"millimeters\",1,0.05,4,9000\n";
+
+#[test]
+fn the_table_that_fusion_exports_is_read() {
+    assert_eq!(radii(FUSION_TABLE), [[3.175, 3.175], [5.0, 1.0]]);
+    // The clipboard separates by tabs.
+    assert_eq!(radii(FUSION_TABLE.replace(',', "\t")), [[3.175, 3.175], [5.0, 1.0]]);
+    let library = read(FUSION_TABLE);
+    let [ball, bull] = library.tools() else { panic!("{library:?}") };
+    assert_eq!((ball.name.as_str(), ball.teeth, ball.spindle_speed_rpm), ("quarter ball", Some(2), Some(18000.0)));
+    assert_relative_eq!(ball.max_feed_per_tooth.unwrap().mm(), 0.0508, max_relative = 1e-15);
+    assert_relative_eq!(bull.max_feed_per_tooth.unwrap().mm(), 0.05, max_relative = 1e-15);
+    assert!(faulty(FUSION_TABLE.replace("inches", "yards"))[0].contains("expected mm or inches, found \"yards\""));
+}
+
+#[test]
+fn names_of_columns_and_types_in_catalogues_are_read() {
+    for (table, expected) in [
+        ("Type,Diameter (mm)\nballnose,6\n", [[3.0, 3.0]]),
+        ("type;Diameter [mm];Corner Radius [mm]\nbullnose;10;1,5\n", [[5.0, 1.5]]),
+        ("Type\tDia (in)\tFlutes\nSquare End Mill\t0.5\t4\n", [[6.35, 0.0]]),
+        ("Description,Type,Diameter (inch)\nX,endmill,0.25\n", [[3.175, 0.0]]),
+        ("type,diameter,unit\nball nose,6,mm\n", [[3.0, 3.0]]),
+        ("type,diameter,corner radius,units\ncorner radius,0.5,0.0625,inches\n", [[6.35, 1.5875]]),
+        ("type,DC (mm),RE (mm),LCF (mm),RPM\ntoroidal,8,2,20,9000\n", [[4.0, 2.0]]),
+    ] {
+        assert_eq!(radii(table), expected, "{table}");
+    }
+    let tapered = read("type,diameter_mm\ntapered ball,6\nball,4\n");
+    assert_eq!((tapered.tools().len(), tapered.others().collect::<Vec<_>>()), (1, vec![("tapered ball", 1)]));
+    assert!(refusal("type,diameter (cm)\nball,6\n").contains("expected diameter_mm or diameter_in, found \"diameter (cm)\""));
+}
+
+#[test]
+fn shapes_of_the_better_tool_library_are_read() {
+    let tool = |shape: &str, parameters: Value| {
+        json!({"version": 2, "name": "x", "shape": shape, "parameter": parameters, "attribute": {}}).to_string()
+    };
+    assert_eq!(
+        radii(tool("_fusion_ball_end_mill.fcstd", json!({"Diameter": "0,25 in", "CuttingEdgeHeight": "1,0 in", "Flutes": "2"}))),
+        [[3.175, 3.175]]
+    );
+    assert_eq!(
+        radii(tool("_fusion_bull_nose_end_mill.fcstd", json!({"Diameter": "10 mm", "TorusRadius": "1 mm", "Flutes": "4"}))),
+        [[5.0, 1.0]]
+    );
+    assert_eq!(radii(tool("_fusion_flat_end_mill.fcstd", json!({"Diameter": "8 mm"}))), [[4.0, 0.0]]);
+    let chamfer = read(tool("_fusion_chamfer_mill.fcstd", json!({"Diameter": "8 mm"})));
+    assert_eq!(chamfer.others().collect::<Vec<_>>(), [("_fusion_chamfer_mill", 1)]);
+}
+
+#[test]
+fn messages_name_no_type_of_the_program() {
+    for library in [
+        json!({"data": ["x"]}).to_string(),
+        json!({"data": [5]}).to_string(),
+        json!({"data": [{"type": "ball end mill", "geometry": 7}]}).to_string(),
+    ] {
+        for text in faulty(library) {
+            assert!(!text.contains("struct") && text.contains("a value of another type"), "{text}");
+        }
+    }
 }

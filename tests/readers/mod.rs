@@ -1,11 +1,10 @@
 //! The readers of surface files and tool libraries on ordinary, messy and hostile files.
 
-mod cutting;
 mod formats_agree;
 mod hostile;
 mod libraries;
 mod obj;
-mod parallel;
+mod pieces;
 mod ply;
 mod stl;
 mod text;
@@ -13,7 +12,8 @@ mod three_mf;
 
 use crate::writers::binary_stl;
 use scallopd::surface::Sink;
-use scallopd::surface::read::{Fault, FaultKind, Format, FormatHint, Notes, Reader, Summary};
+use scallopd::surface::read::{Fault, FaultKind, Format, FormatHint, Notes, ReadError, Reader, Summary};
+use std::io::{self, Read};
 
 /// A sink that keeps all points and facets.
 #[derive(Debug, Default, Clone, PartialEq)]
@@ -32,22 +32,35 @@ impl Sink for Recorder {
     }
 }
 
-/// Reads a whole file in one chunk, without a hint about its format.
-fn read(file: impl AsRef<[u8]>) -> Result<(Recorder, Summary), Fault> {
-    read_in_chunks(&[file.as_ref()], FormatHint::default()).1
+/// A source that delivers at most this many bytes at a time.
+struct InPieces<'a>(&'a [u8], usize);
+
+impl Read for InPieces<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = buffer.len().min(self.1);
+        self.0.read(&mut buffer[..length])
+    }
 }
 
-/// The contents of the sink, and the result of reading.
-fn read_in_chunks(chunks: &[&[u8]], hint: FormatHint) -> (Recorder, Result<(Recorder, Summary), Fault>) {
-    let mut reader = Reader::new(hint);
+/// Reads a whole file without a hint about its format.
+fn read(file: impl AsRef<[u8]>) -> Result<(Recorder, Summary), Fault> {
+    let (recorder, result) = read_in_pieces(file.as_ref(), usize::MAX, FormatHint::default());
+    result.map(|summary| (recorder, summary))
+}
+
+/// The contents of the sink, and the result of reading a file that arrives in pieces of this size.
+fn read_in_pieces(file: &[u8], piece: usize, hint: FormatHint) -> (Recorder, Result<Summary, Fault>) {
     let mut recorder = Recorder::default();
-    for chunk in chunks {
-        if let Err(fault) = reader.push(chunk, &mut recorder) {
-            return (recorder, Err(fault));
-        }
+    let result = Reader::new(hint).read(InPieces(file, piece), &mut recorder);
+    (recorder, result.map_err(fault))
+}
+
+/// The fault of a file whose source does not fail.
+fn fault(error: ReadError) -> Fault {
+    match error {
+        ReadError::Fault(fault) => fault,
+        ReadError::Source(error) => panic!("{error}"),
     }
-    let result = reader.finish(&mut recorder);
-    (recorder.clone(), result.map(|summary| (recorder, summary)))
 }
 
 /// The points of a file without facets; the summary must agree.

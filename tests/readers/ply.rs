@@ -261,8 +261,7 @@ fn triangle_strips_are_read_in_all_encodings() {
         for vertex in strip {
             put!(to, vertex);
         }
-        let bytes: Vec<&[u8]> = to.bytes.chunks(1).collect();
-        assert_eq!(read_in_chunks(&bytes, FormatHint::default()).1.unwrap().0.facets, expected);
+        assert_eq!(read_in_pieces(&to.bytes, 1, FormatHint::default()).0.facets, expected);
         assert_eq!(facets(&to.bytes), expected);
     }
     let missing = refusal(format!("{}{vertices}3 0 1 4\n", head("ascii")));

@@ -52,7 +52,7 @@ fn text_other_than_stl_is_refused_with_its_line() {
         ("0 0.5", "0", "line 6: expected a number, three for each vertex, found \"vertex\""),
         ("0 0.5", "0 0.5 7", "line 5: expected \"vertex\", three for each facet, found \"7\""),
         ("0 0.5", "0 nan", "line 5: expected a finite coordinate of at most 1e12 in magnitude, found \"nan\""),
-        ("0 0.5", "0 0,5", "line 5: expected a number, three for each vertex, found \"0,5\""),
+        ("0 0.5", "0 0,5", "line 6: expected a number with a decimal comma, as before, found \"0.25\""),
         ("0 0.5", "0 1e13", "line 5: expected a finite coordinate of at most 1e12 in magnitude, found \"1e13\""),
         ("  endloop", "vertex 1 1 1\nendloop", "line 7: expected \"endloop\" after three vertices, found \"vertex\""),
         ("   vertex 0 1 0.25\n", "", "line 6: expected \"vertex\", three for each facet, found \"endloop\""),
@@ -63,7 +63,7 @@ fn text_other_than_stl_is_refused_with_its_line() {
     ] {
         assert!(ASCII.contains(wrong));
         let file = ASCII.replacen(wrong, right, 1);
-        assert_eq!(read_in_chunks(&[file.as_bytes()], FormatHint::default()).1.unwrap_err().to_string(), sentence, "{file}");
+        assert_eq!(refusal(&file), sentence, "{file}");
     }
     assert_eq!(refusal("solid part\nendsolid part\n"), "line 3: expected \"facet\", found the end of the file");
 }
@@ -145,5 +145,24 @@ fn binary_numbers_out_of_range_are_refused_with_their_byte() {
         // 84 + 50 + 12 + 4 (3 2 + 1) = 174
         let sentence = format!("byte 174: expected a finite coordinate of at most 1e12 in magnitude, found {found}");
         assert_eq!(refusal(binary_stl("", &[TRIANGLE, wrong])), sentence);
+    }
+}
+
+#[test]
+fn decimal_commas_are_read_where_blanks_separate() {
+    let comma = |text: &str| text.replace('.', ",");
+    let stl = "solid a\nfacet normal 0.0 0.0 1.0e0\nouter loop\nvertex 0.0 0.0 0.5\nvertex 2.05e1 0.0 1.25\nvertex 20.5 20.5 7.5e-01\nendloop\nendfacet\nendsolid a\n";
+    assert_eq!(facets(comma(stl)), facets(stl));
+    let obj = "v 0.0 0.0 0.5\nv 20.5 0 1.25\nv 20.5 20.5 0.75\nf 1 2 3\n";
+    assert_eq!(facets(comma(obj)), facets(obj));
+    let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    let rows = "0.0 0.0 0.5\n20.5 0 1.25\n20.5 20.5 0.75\n3 0 1 2\n";
+    assert_eq!(facets(format!("{head}{}", comma(rows))), facets(format!("{head}{rows}")));
+    for (file, sentence) in [
+        ("v 0,5 0 0\nv 1.5 0 0\n", "line 2: expected a number with a decimal comma, as before, found \"1.5\""),
+        ("v 0.5 0 0\nv 1,5 0 0\n", "line 2: expected a number with a decimal point, found \"1,5\", with a decimal comma"),
+        ("v 1,234,5 0 0\n", "line 1: expected a number, found \"1,234,5\""),
+    ] {
+        assert_eq!(refusal(file), sentence);
     }
 }

@@ -104,7 +104,7 @@ fn a_decimal_comma_in_quotation_marks_is_read_beside_the_separator() {
 
 #[test]
 fn further_columns_are_counted() {
-    let (recorder, summary) = read("1.5 -2 3.25 255 0 0\n4 5.5 -6 note\n").unwrap();
+    let (recorder, summary) = read("1.5 -2 3.25 255 0 0\n4 5.5 -6 a short note\n").unwrap();
     assert_eq!(recorder.points, TWO);
     assert_eq!(
         summary,
@@ -165,8 +165,7 @@ fn text_in_utf_16_is_read() {
     for unit in [u16::to_le_bytes, u16::to_be_bytes] {
         let file: Vec<u8> = text.encode_utf16().flat_map(unit).collect();
         assert_eq!(points(&file), TWO);
-        let bytes: Vec<&[u8]> = file.chunks(1).collect();
-        assert_eq!(read_in_chunks(&bytes, FormatHint::default()).1.unwrap().0.points, TWO);
+        assert_eq!(read_in_pieces(&file, 1, FormatHint::default()).0.points, TWO);
     }
     let stl: Vec<u8> = "\u{feff}solid a\n".encode_utf16().chain(std::iter::repeat_n(0x20, 1 << 17)).flat_map(u16::to_le_bytes).collect();
     assert_eq!(read(stl).unwrap_err().kind(), FaultKind::TooLarge);
@@ -231,15 +230,15 @@ fn ambiguous_text_is_refused_with_both_readings() {
         ),
         (
             "1,5,2,3\n4,5,5,6,5\n",
-            "line 1: expected a semicolon, tab or blank between numbers with decimal commas, or a decimal point, found \"1,5,2,3\": either 5 columns between commas, or three numbers with decimal commas",
+            "line 2: expected 4 columns, as the first line has, found 5 fields; either 5 columns between commas, or three numbers with decimal commas",
         ),
         (
             "x,y,z\n1,5,2,5,3,5\n",
-            "line 2: expected three columns, as the header names, found 6 fields; either 6 columns between commas, or three numbers with decimal commas",
+            "line 2: expected 3 columns, as the header names, found 6 fields; either 6 columns between commas, or three numbers with decimal commas",
         ),
         (
             "x,y,z\n1,2,3\n1,5,2,5,3,5\n",
-            "line 3: expected three columns, as the header names, found 6 fields; either 6 columns between commas, or three numbers with decimal commas",
+            "line 3: expected 3 columns, as the header names, found 6 fields; either 6 columns between commas, or three numbers with decimal commas",
         ),
         ("pos_x,dir_x,y,z\n1,2,3,4\n", "line 1: expected one column that is x, found \"pos_x\" and \"dir_x\", which both could be"),
         ("x,y,z,x,y,z\n1,2,3,4,5,6\n", "line 1: expected one column that is x, found \"x\" and \"x\", which both could be"),
@@ -358,8 +357,7 @@ fn points_with_properties_need_no_header_where_these_show_what_they_are() {
     let measured = |row: f64, _| format!("{} {:.3}", at(row), 0.01 * (row / 7.0).cos());
     assert_eq!(points_beside_others(&table(3000, 1, measured)), 3000);
     assert_eq!(read(table(30, 1, measured)).unwrap_err().kind(), FaultKind::Ambiguous);
-    // A line with another number of columns, or with a word, is not a row of a matrix.
-    assert_eq!(points_beside_others("1.5 2 3 4\n2.5 3 4 5 6\n3.5 5 4 6\n"), 3);
+    // A line with a word is not a row of a matrix.
     assert_eq!(points_beside_others("1.5 2 3 4\n2.5 3 4 good\n3.5 5 4 6\n"), 3);
 }
 
@@ -411,4 +409,79 @@ fn ascii_pcd_is_read() {
     ] {
         assert_eq!(refusal(file.replace(wrong, right)), sentence);
     }
+}
+
+#[test]
+fn ragged_rows_without_a_header_are_refused_with_their_line() {
+    for (file, sentence) in [
+        ("0 0 1\n10 0 2\n1 2 3 4 5 6 7 8 9\n", "line 3: expected 3 columns, as the first line has, found 9"),
+        ("0 0 1 5\n10 0 2 5\n1 2 3\n", "line 3: expected 4 columns, as the first line has, found 3"),
+        ("0;0;1\n10;0;2;7\n", "line 2: expected 3 columns, as the first line has, found 4"),
+        ("0,0,1.5,2\n10,0,2.5\n0,0,1,2\n", "line 2: expected 4 columns, as the first line has, found 3"),
+        ("0\t0\t1\t2\t3\n10\t0\t2\t3\n", "line 2: expected 5 columns, as the first line has, found 4"),
+        ("# a comment\n0 0 1\n\n1 0 1\n0 1 2 3\n", "line 5: expected 3 columns, as the first line has, found 4"),
+    ] {
+        assert_eq!(refusal(file), sentence, "{file}");
+    }
+    // A separator at the end of some lines adds no column.
+    assert_eq!(points("0;0;1\n1;0;2;\n0;1;3\n"), points("0;0;1;\n1;0;2\n0;1;3;\n"));
+    assert_eq!(points("0 0 1 \n1 0 2\n"), [[0.0, 0.0, 1.0], [1.0, 0.0, 2.0]]);
+    assert_eq!(points("1.5,2,3,,\n4,5,6,,\n"), [[1.5, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+}
+
+/// A grid of 3 x 2 points after these lines.
+fn probed(head: &str) -> String {
+    let grid = ["0 0 1.5", "5 0 2.5", "10 0 3.5", "0 4 1.25", "5 4 2.25", "10 4 3.25"];
+    format!("{head}{}\n", grid.join("\n"))
+}
+
+#[test]
+fn the_lines_before_a_probed_grid_are_no_points() {
+    for blanks in ["\n", "\n\n", " \r\n\n\n"] {
+        assert_eq!(points(probed(&format!("0 10 3\n0 4 2\n-1 5 100\n{blanks}"))).len(), 6);
+    }
+    let short = refusal(probed("0 10 3\n0 4 3\n-1 5 100\n\n"));
+    assert_eq!(short, "line 1: expected 9 points of a grid, as the lines before it promise, found 6");
+    // Without the blank line, with another first point or with counts that are none, the lines are points.
+    for head in ["0 10 3\n0 4 2\n-1 5 100\n", "1 10 3\n0 4 2\n-1 5 100\n\n", "0 10 3.5\n0 4 2\n-1 5 100\n\n", "0 10 1\n0 4 6\n-1 5 100\n\n"]
+    {
+        assert_eq!(points(probed(head)).len(), 9, "{head}");
+    }
+    assert_eq!(points("0 10 3\n0 4 2\n-1 5 100\n").len(), 3);
+    assert_eq!(points("0 10 3\n0 4 2\n-1 5 100\n\n").len(), 3);
+    assert_eq!(points("0 0 1\n1 0 1\n\n0 1 2\n").len(), 3);
+}
+
+#[test]
+fn a_number_for_a_missing_measurement_is_noted_with_its_line() {
+    let table = |value: &str| {
+        let lines = (0..30)
+            .map(|index| if index == 12 { format!("8 4 {value}\n") } else { format!("{} {} {}.5\n", index % 6, index / 6, index % 4) });
+        lines.collect::<String>()
+    };
+    for value in ["-9999", "-32768", "-99999.0", "9999", "-999", "1e10", "-1e9", "32767"] {
+        let far = read(table(value)).unwrap().1.notes.far_outside.unwrap();
+        assert_eq!((far.line, far.axis, far.points, far.others), (13, 2, 1, [0.5, 3.5]), "{value}");
+        assert_eq!(far.value.to_string().parse::<f64>(), value.parse::<f64>(), "{value}");
+    }
+    for value in ["5", "-3.25", "20"] {
+        assert_eq!(read(table(value)).unwrap().1.notes.far_outside, None, "{value}");
+    }
+    for value in ["1e38", "-3.4028235e38", "-1.7976931348623157e308"] {
+        assert!(refusal(table(value)).starts_with("line 13: expected a finite coordinate"), "{value}");
+    }
+    let with_header = format!("x y z\n{}", table("-9999"));
+    assert_eq!(read(with_header).unwrap().1.notes.far_outside.unwrap().line, 14);
+}
+
+#[test]
+fn a_probe_log_of_nine_columns_is_points() {
+    let line = |index: u32, rest: &str| format!("{}.000 {}.000 {}.25{rest}\n", 4 * (index % 5), 4 * (index / 5), index % 3);
+    for rest in [" 0.000 0.000 0.000 0.000 0.000 0.000", " 0 0 0 1 1 1", " 90.0 0.0 0.0"] {
+        let log: String = (0..25).map(|index| line(index, rest)).collect();
+        let (recorder, summary) = read(&log).unwrap();
+        assert_eq!((recorder.points.len(), summary.notes.further_columns), (25, rest.split_whitespace().count() as u64));
+    }
+    let plate = "1.5 1.5 1.5 1.5 1.5\n".repeat(5);
+    assert!(refusal(plate).contains("either a matrix of heights"));
 }

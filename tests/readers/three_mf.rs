@@ -128,9 +128,7 @@ fn models_without_a_surface_are_refused_with_their_file() {
 
 #[test]
 fn archives_other_than_packages_are_named() {
-    for (name, found) in
-        [("xl/workbook.xml", "an Excel workbook"), ("Document.xml", "a FreeCAD document"), ("part.stl", "a ZIP archive that is not a 3MF")]
-    {
+    for (name, found) in [("xl/workbook.xml", "an Excel workbook"), ("Document.xml", "a FreeCAD document"), ("part.stl", "an XML file")] {
         let fault = read(zip(&[(name, b"<a/>")])).unwrap_err();
         assert_eq!(fault.kind(), FaultKind::UnknownFormat);
         assert!(fault.found().starts_with(found), "{fault}");
@@ -194,9 +192,8 @@ fn a_cycle_through_other_model_files_is_found() {
 #[test]
 fn hostile_packages_are_refused_within_their_limits() {
     let limited = |file: &[u8]| {
-        let mut reader = Reader::new(FormatHint::default()).with_vertex_limit(1000).with_archive_limit(1 << 20);
-        reader.push(file, &mut Recorder::default())?;
-        reader.finish(&mut Recorder::default())
+        let reader = Reader::new(FormatHint::default()).with_vertex_limit(1000).with_archive_limit(1 << 20);
+        reader.read(file, &mut Recorder::default()).map_err(fault)
     };
     let refused = |file: &[u8]| {
         let fault = limited(file).unwrap_err();
@@ -218,7 +215,126 @@ fn hostile_packages_are_refused_within_their_limits() {
     assert_eq!(refused(&package(&many)), "at most 100000 objects, components and build items");
     assert_eq!(refused(&directory_alone(20_000)), "a 3MF package within its limits");
     assert_eq!(refused(&directory_alone(600_000)), "a 3MF file of at most 1048576 bytes");
-    let mut reader = Reader::new(FormatHint::default());
-    reader.push(&directory_alone(4_000_000), &mut Recorder::default()).unwrap();
-    assert_eq!(reader.finish(&mut Recorder::default()).unwrap_err().kind(), FaultKind::TooLarge);
+    assert_eq!(read(directory_alone(4_000_000)).unwrap_err().kind(), FaultKind::TooLarge);
+}
+
+/// A package with a slicer's settings at this path.
+fn with_settings(model: &str, path: &str, settings: &str) -> Vec<u8> {
+    zip(&[("_rels/.rels", RELATIONSHIPS.as_bytes()), ("3D/3dmodel.model", model.as_bytes()), (path, settings.as_bytes())])
+}
+
+/// PrusaSlicer's settings with a part of one triangle and a second volume of one.
+fn prusa(kind: &str) -> String {
+    let volume = |triangle: u32, name: &str, kind: &str| {
+        format!(
+            "<volume firstid=\"{triangle}\" lastid=\"{triangle}\"><metadata type=\"volume\" key=\"name\" value=\"{name}\"/>{kind}</volume>"
+        )
+    };
+    let part = "<metadata type=\"volume\" key=\"volume_type\" value=\"ModelPart\"/>";
+    format!(
+        "<?xml version=\"1.0\"?>\n<config><object id=\"1\">{}{}</object></config>",
+        volume(0, "part", part),
+        volume(1, "a &amp; b", kind)
+    )
+}
+
+#[test]
+fn volumes_that_slicers_exclude_are_left_out_and_named() {
+    let object = mesh_object(1, &VERTICES, &[[0, 1, 2], [0, 2, 1]]);
+    let model_of = |object: &str| model("", object, "<item objectid=\"1\" printable=\"1\"/>");
+    for (kind, name) in [
+        ("volume_type\" value=\"ParameterModifier", "ParameterModifier \"a & b\""),
+        ("volume_type\" value=\"SupportBlocker", "SupportBlocker \"a & b\""),
+        ("volume_type\" value=\"SupportEnforcer", "SupportEnforcer \"a & b\""),
+        ("modifier\" value=\"1", "ParameterModifier \"a & b\""),
+    ] {
+        let settings = prusa(&format!("<metadata type=\"volume\" key=\"{kind}\"/>"));
+        let (recorder, summary) = read(with_settings(&model_of(&object), "Metadata/Slic3r_PE_model.config", &settings)).unwrap();
+        assert_eq!((recorder.facets, summary.notes.volumes), (vec![VERTICES], vec![name.to_owned()]));
+    }
+    let whole = prusa("<metadata type=\"volume\" key=\"volume_type\" value=\"ModelPart\"/>");
+    let (recorder, summary) = read(with_settings(&model_of(&object), "Metadata/Slic3r_PE_model.config", &whole)).unwrap();
+    assert_eq!((recorder.facets.len(), summary.notes), (2, Notes::default()));
+    let negative = prusa("<metadata type=\"volume\" key=\"volume_type\" value=\"NegativeVolume\"/>");
+    let fault = read(with_settings(&model_of(&object), "Metadata/Slic3r_PE_model.config", &negative)).unwrap_err();
+    assert_eq!(fault.found(), "the negative volume \"a & b\", which the slicer subtracts; export the finished part as STL");
+    // A range beyond the triangles, and a damaged file.
+    let beyond =
+        prusa("<metadata type=\"volume\" key=\"volume_type\" value=\"SupportBlocker\"/>").replace("lastid=\"1\"", "lastid=\"4000000000\"");
+    assert_eq!(facets(with_settings(&model_of(&object), "Metadata/Slic3r_PE_model.config", &beyond)), [VERTICES]);
+    assert!(
+        refusal(with_settings(&model_of(&object), "Metadata/Slic3r_PE_model.config", "<config><object>"))
+            .contains("the end of every element")
+    );
+}
+
+#[test]
+fn components_that_bambu_and_orca_exclude_are_left_out() {
+    let objects = triangle_object(1)
+        + &triangle_object(2)
+        + &components(3, "<component objectid=\"1\"/><component objectid=\"2\" transform=\"1 0 0 0 1 0 0 0 1 9 0 0\"/>");
+    let package = |subtype: &str| {
+        let settings = format!(
+            "<config><object id=\"3\"><metadata key=\"name\" value=\"all\"/><part id=\"1\" subtype=\"normal_part\"><metadata key=\"name\" value=\"body\"/></part>\
+             <part id=\"2\" subtype=\"{subtype}\"><metadata key=\"name\" value=\"cube\"/></part></object></config>"
+        );
+        with_settings(&model("", &objects, "<item objectid=\"3\"/>"), "Metadata/model_settings.config", &settings)
+    };
+    for subtype in ["modifier_part", "support_blocker", "support_enforcer"] {
+        let (recorder, summary) = read(package(subtype)).unwrap();
+        assert_eq!((recorder.facets, summary.notes.volumes), (vec![VERTICES], vec![format!("{subtype} \"cube\"")]));
+    }
+    assert_eq!(facets(package("normal_part")).len(), 2);
+    assert!(refusal(package("negative_part")).contains("the negative volume \"cube\""));
+}
+
+#[test]
+fn items_that_are_not_printable_are_left_out() {
+    let objects = triangle_object(1) + &triangle_object(2);
+    let items = "<item objectid=\"1\"/><item objectid=\"2\" printable=\"0\"/>";
+    let (recorder, summary) = read(package(&model("", &objects, items))).unwrap();
+    assert_eq!((recorder.facets.len(), summary.notes.volumes), (1, vec!["the object 2, which is not printable".to_owned()]));
+    let none = refusal(package(&model("", &objects, "<item objectid=\"1\" printable=\"0\"/>")));
+    assert!(none.ends_with("expected a build item with a mesh, found none"));
+}
+
+#[test]
+fn targets_with_entities_and_percent_escapes_are_found() {
+    let part = model("", &triangle_object(1), "<item objectid=\"1\"/>");
+    for (target, path) in [
+        ("/3D/a&amp;b.model", "3D/a&b.model"),
+        ("/3D/my%20part.model", "3D/my part.model"),
+        ("/3D/my%20part.model", "3D/my%20part.model"),
+        ("/3D/%C3%9Cbung.model", "3D/\u{dc}bung.model"),
+        ("/3D/a&#38;b%2B.model", "3D/a&b+.model"),
+        ("./3D/3dmodel.model", "3D/3dmodel.model"),
+    ] {
+        let relationships = RELATIONSHIPS.replace("/3D/3dmodel.model", target);
+        assert_eq!(facets(zip(&[("_rels/.rels", relationships.as_bytes()), (path, part.as_bytes())])), [VERTICES], "{target}");
+    }
+}
+
+#[test]
+fn the_only_file_of_an_archive_is_read() {
+    let stl = binary_stl("", &[TRIANGLE]);
+    let csv = b"x,y,z\n1,2,3\n".as_slice();
+    assert_eq!(read(zip(&[("part.stl", &stl)])).unwrap().1.format, Format::StlBinary);
+    assert_eq!(
+        read(zip(&[("folder/part.stl", &stl), ("__MACOSX/folder/._part.stl", b"x"), ("folder/.DS_Store", b"x")])).unwrap().1.facets,
+        1
+    );
+    assert_eq!(read(zip(&[("folder/", b""), ("points.csv", csv)])).unwrap().1.points, 1);
+    assert_eq!(refusal(zip(&[("points.csv", b"x,y,z\n1,2\n")])), "line 2: expected three numbers, found two");
+    for (archive, found) in [
+        (zip(&[("a.stl", &stl), ("b.stl", &stl)]), "a ZIP archive of 2 files that is not a 3MF package; send the file itself"),
+        (zip(&[]), "a ZIP archive of 0 files that is not a 3MF package; send the file itself"),
+        (zip(&[("a.zip", &zip(&[("a.stl", &stl)]))]), "a ZIP archive in a ZIP archive; send the file itself"),
+        (zip(&[("xl/workbook.xml", b"<a/>")]), "an Excel workbook; save the points as CSV"),
+    ] {
+        assert_eq!(read(archive).unwrap_err().found(), found);
+    }
+    let mut damaged = zip(&[("part.stl", &[stl.as_slice(), &[7; 500]].concat())]);
+    let middle = 30 + "part.stl".len() + 60;
+    damaged[middle] ^= 0x55;
+    assert!(read(damaged).is_err());
 }

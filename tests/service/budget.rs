@@ -1,78 +1,49 @@
 //! Refusals of the memory budget.
 
-use axum::body::Bytes;
-use axum::routing::post;
-use scallopd::http::{RouteClass, Routes};
+use std::time::Duration;
 
-use crate::app::{TestApp, defaults};
-use crate::service::server::{self, read_all, send, until};
+use scallopd::budget::Job;
 use serde_json::json;
 
-const KIB: u64 = 1024;
+use crate::app::{PATIENCE, TestApp};
+use crate::service::server::until;
 
-async fn start() -> TestApp {
-    let length = |body: Bytes| async move {
-        tokio::time::sleep(std::time::Duration::from_millis(300)).await;
-        body.len().to_string()
-    };
-    let mut settings = defaults();
-    settings.http.memory_budget_bytes = 256 * KIB;
-    server::start(settings, Routes::new().undocumented(RouteClass::Batch, "/length", post(length))).await
+const BATCH: &str = "/v1/scallop-height/batch";
+
+/// The JSON of a batch of two million bytes.
+fn body() -> String {
+    let cutter = json!({"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2});
+    let batch = json!({"cutter": cutter, "step_over_mm": 0.5, "contacts": [{"slope_deg": 40, "feed_angle_deg": 30}]});
+    format!("{batch}{}", " ".repeat(2_000_000))
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_body_larger_than_the_budget_is_refused_without_a_retry() {
-    let server = start().await;
-    let answer = server.client.post(server.url("/length")).body(vec![b'x'; 300 << 10]).send().await.unwrap();
-    // The server may find the budget used up before the body exceeds the largest reservation, so both answers are
-    // correct.
-    assert!([413, 503].contains(&answer.status().as_u16()), "{}", answer.status());
-    assert_eq!(answer.headers()["content-type"], "application/problem+json");
-    until("its memory is free", async || server.state.budget.reserved() == 0).await;
+async fn a_body_waits_for_memory_and_is_refused_with_a_retry_if_none_becomes_free() {
+    let app = TestApp::start_with(|settings| settings.memory_budget = 64 << 20).await;
+    let all = app.state.budget.take(Job::Body { bytes: 1 << 40 }, Duration::ZERO).await.unwrap();
+    let refused = app.send(BATCH, body()).await;
+    assert_eq!(refused.status(), 503);
+    assert_eq!(refused.headers()["retry-after"], "1");
+    assert!(app.metrics().await.contains("scallopd_memory_refusals_total 1\n"));
+    let waiting = tokio::spawn(app.client.post(app.url(BATCH)).header("content-type", "application/json").body(body()).send());
+    tokio::time::sleep(Duration::from_millis(200)).await;
+    assert!(!waiting.is_finished());
+    // A small request needs no memory of the budget.
+    assert_eq!(app.get("/livez").await.status(), 200);
+    drop(all);
+    assert_eq!(waiting.await.unwrap().unwrap().status(), 200);
+    until("its memory is free", async || app.state.budget.held() == 0).await;
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_body_without_memory_at_this_moment_is_refused_with_a_retry() {
-    let server = start().await;
-    let held = server.state.budget.reserve(190 * KIB).unwrap();
-    let send = || server.client.post(server.url("/length")).body(vec![b'x'; 100 << 10]).send();
-    let answer = send().await.unwrap();
-    assert_eq!(answer.status(), 503);
-    assert_eq!(answer.headers()["retry-after"], "1");
-    assert!(server.metrics().await.contains("scallopd_memory_refusals_total 1\n"));
-    drop(held);
-    assert_eq!(send().await.unwrap().status(), 200);
-    until("its memory is free", async || server.state.budget.reserved() == 0).await;
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_head_in_pieces_is_reserved_until_it_is_complete() {
-    let server = start().await;
-    let mut stream = server.connect().await;
-    send(&mut stream, "GET /livez HTTP/1.1\r\nhost: test\r\nconnection: close\r\n").await;
-    for sent in 1..=2 {
-        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-        send(&mut stream, &format!("x-{sent}: {}\r\n", "x".repeat(4000))).await;
-        until("the head is reserved", async || server.state.budget.reserved() >= 4000 * sent).await;
-    }
-    assert!(server.state.budget.reserved() < 9000);
-    send(&mut stream, "\r\n").await;
-    assert!(read_all(&mut stream).await.starts_with("HTTP/1.1 200"));
-    until("its memory is free", async || server.state.budget.reserved() == 0).await;
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_head_in_pieces_without_memory_is_refused_with_a_retry() {
-    let server = start().await;
-    let held: Vec<_> = (0..2).map(|_| server.state.budget.reserve(127 * KIB).unwrap()).collect();
-    let mut stream = server.connect().await;
-    send(&mut stream, "GET /livez HTTP/1.1\r\nhost: test\r\nconnection: close\r\n").await;
-    tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-    send(&mut stream, &format!("x: {}\r\n", "x".repeat(4000))).await;
-    let answer = read_all(&mut stream).await;
-    assert!(answer.starts_with("HTTP/1.1 503") && answer.contains("retry-after: 1\r\n"), "{answer}");
-    drop(held);
-    until("its memory is free", async || server.state.budget.reserved() == 0).await;
+async fn batches_are_answered_while_recommendations_hold_all_the_memory_they_may() {
+    let app = TestApp::start().await;
+    let plan = Job::Plan { json: 0, facets: usize::MAX, cutters: 1, threads: 1 };
+    let _held = app.state.budget.take(plan, Duration::ZERO).await.unwrap();
+    let budget = app.state.budget.clone();
+    let waiting = tokio::spawn(async move { budget.take(plan, PATIENCE).await });
+    assert_eq!(app.send(BATCH, body()).await.status(), 200);
+    waiting.abort();
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -90,5 +61,5 @@ async fn dozens_of_small_recommendations_at_once_are_all_answered() {
         let answer = request.await.unwrap().unwrap();
         assert_eq!(answer.status(), 200, "{}", answer.text().await.unwrap());
     }
-    until("their memory is free", async || app.state.budget.reserved() == 0).await;
+    until("their memory is free", async || app.state.budget.held() == 0).await;
 }

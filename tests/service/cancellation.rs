@@ -20,11 +20,11 @@ const CUTTERS: u32 = 200;
 /// The work begins to plan after this processor time, in s: the upload itself takes less.
 const BEGUN: f64 = 1.5;
 
-/// The largest processor time, in s, after the end of the request. Every processor may continue for 50 ms, or for 1 s
-/// if the client may have closed only its sending side. Half a second more allows for a slow machine.
+/// The largest processor time, in s, after the end of the request. Every processor may continue for 50 ms; a second more
+/// allows for a slow machine.
 fn most_afterwards() -> f64 {
     let processors = std::thread::available_parallelism().map_or(1, |count| u32::try_from(count.get()).unwrap_or(u32::MAX));
-    1.0 + 1.5 * f64::from(processors)
+    0.5 + f64::from(processors)
 }
 
 /// Waves over 100 x 100 mm in binary STL.
@@ -127,23 +127,11 @@ async fn work_on_a_recommendation_ends_soon_after_its_client_reset_the_connectio
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn work_on_a_recommendation_ends_soon_after_its_client_closed_the_connection() {
-    let program = Program::start(&["--request-timeout-s", "600"]);
-    drop(begin(&program).await);
-    assert_at_rest(&program).await;
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn work_ends_at_most_a_second_after_the_client_closed_its_sending_side() {
+async fn work_ends_soon_after_its_client_closed_the_connection() {
     for request in [upload_with(r#","include":["map","passes"]"#), column_batch()] {
         let program = Program::start(&["--request-timeout-s", "600"]);
-        let mut stream = begin_with(&program, &request).await;
-        stream.shutdown().await.unwrap();
+        drop(begin_with(&program, &request).await);
         assert_at_rest(&program).await;
-        let mut answer = Vec::new();
-        // The connection ends without an answer, by a close or a reset.
-        let _ = tokio::time::timeout(PATIENCE, stream.read_to_end(&mut answer)).await.expect("an end");
-        assert_eq!(String::from_utf8_lossy(&answer), "");
     }
 }
 

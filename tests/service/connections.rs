@@ -10,8 +10,7 @@ use axum::response::IntoResponse;
 use axum::routing::{get, post};
 use scallopd::http::worker_pool::Work;
 use scallopd::http::{RouteClass, Routes};
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::TcpStream;
+use tokio::io::AsyncReadExt;
 
 use crate::app::{TestApp, defaults};
 use crate::service::server::{self, read_all, send, until};
@@ -82,14 +81,12 @@ fn assert_problem(answer: &str, status: u16) {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn malformed_heads_are_answered_with_a_problem_and_an_id_and_are_counted() {
-    let mut settings = defaults();
-    settings.server.header_timeout = Duration::from_secs(1);
-    let server = server::start(settings, routes()).await;
+    let server = server::start(defaults(), routes()).await;
     let long = "x".repeat(20_000);
     for (status, head) in [
         (400, "no request at all\r\n\r\n".to_owned()),
         (400, "GET /headers HTTP/1.1\r\nhost: test\r\nbad header\r\n\r\n".to_owned()),
-        (408, "GET /headers HTTP/1.1\r\nhost".to_owned()),
+        (400, "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n".to_owned()),
         (431, format!("GET /headers HTTP/1.1\r\nhost: test\r\nx: {long}\r\n\r\n")),
         (431, format!("GET /headers HTTP/1.1\r\nhost: test\r\nx: {long}")),
     ] {
@@ -128,39 +125,10 @@ async fn a_request_has_exactly_one_host_header() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_client_that_closes_its_sending_side_gets_its_answer() {
-    let server = server::start(defaults(), routes()).await;
-    for request in ["POST /length HTTP/1.1\r\nhost: test\r\ncontent-length: 4\r\n\r\n1234", "GET /slow HTTP/1.1\r\nhost: test\r\n\r\n"] {
-        let mut stream = server.connect().await;
-        send(&mut stream, request).await;
-        stream.shutdown().await.unwrap();
-        let answer = read_all(&mut stream).await;
-        assert!(answer.starts_with("HTTP/1.1 200") && (answer.ends_with("\r\n\r\n4") || answer.ends_with("slow")), "{answer:?}");
-    }
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn work_for_a_client_that_stays_half_closed_ends_after_a_second() {
-    let endless = Endless::default();
-    let server = server::start(defaults(), endless.routes()).await;
-    for extra in ["", "bytes after the request"] {
-        let endless = endless.clone();
-        let mut stream = server.connect().await;
-        send(&mut stream, &format!("POST /endless HTTP/1.1\r\nhost: test\r\ncontent-length: 2\r\n\r\n{{}}{extra}")).await;
-        endless.begun().await;
-        stream.shutdown().await.unwrap();
-        let took = endless.cancelled().await;
-        assert!((Duration::from_millis(900)..Duration::from_secs(10)).contains(&took), "{took:?}");
-        endless.has_begun.store(false, Ordering::SeqCst);
-        endless.was_cancelled.store(false, Ordering::SeqCst);
-    }
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn work_ends_at_once_after_a_reset_and_after_the_time_out() {
     let endless = Endless::default();
     let mut settings = defaults();
-    settings.http.request_timeout = Duration::from_secs(1);
+    settings.request_timeout_s = Duration::from_secs(1);
     let server = server::start(settings, endless.routes()).await;
     let request = "POST /endless HTTP/1.1\r\nhost: test\r\ncontent-length: 2\r\n\r\n{}";
     let mut stream = server.connect().await;
@@ -182,81 +150,34 @@ async fn work_ends_at_once_after_a_reset_and_after_the_time_out() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn work_on_a_part_of_a_body_ends_after_a_reset_although_the_rest_is_unread() {
-    let endless = Endless::default();
-    // The work begins before the body is read.
-    let work = {
-        let endless = endless.clone();
-        move |work: Work, unread: axum::body::Body| async move {
-            let answer = endless.work(work).await;
-            drop(unread);
-            answer
-        }
-    };
-    let server = server::start(defaults(), Routes::new().undocumented(RouteClass::Batch, "/unread", post(work))).await;
-    let mut stream = server.connect().await;
-    send(&mut stream, "POST /unread HTTP/1.1\r\nhost: test\r\ncontent-length: 100000\r\n\r\n").await;
-    send(&mut stream, &"x".repeat(50_000)).await;
-    endless.begun().await;
-    stream.set_zero_linger().unwrap();
-    drop(stream);
-    endless.cancelled().await;
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn connections_may_be_idle_longer_between_requests_than_before_the_first() {
+async fn a_connection_beyond_the_limit_waits_until_another_closes() {
     let mut settings = defaults();
-    settings.server.header_timeout = Duration::from_secs(1);
-    settings.server.idle_timeout = Duration::from_secs(3);
+    // Four connections.
+    settings.max_in_flight = 1;
     let server = server::start(settings, routes()).await;
-    let request = "GET /headers HTTP/1.1\r\nhost: test\r\n\r\n";
-    // The service measures from the moment at which it accepts a connection, which can be before `connect` returns.
-    let began = Instant::now();
-    let (mut used, mut unused) = (server.connect().await, server.connect().await);
-    let ask = async |stream: &mut TcpStream| {
-        send(stream, request).await;
-        stream.read(&mut [0; 4096]).await.unwrap()
-    };
-    assert!(ask(&mut used).await > 0);
-    assert_eq!(read_all(&mut unused).await, "");
-    assert!((Duration::from_secs(1)..Duration::from_secs(3)).contains(&began.elapsed()), "{:?}", began.elapsed());
-    tokio::time::sleep(Duration::from_millis(500)).await;
-    assert!(ask(&mut used).await > 0);
-    let began = Instant::now();
-    assert_eq!(read_all(&mut used).await, "");
-    assert!(began.elapsed() > Duration::from_secs(2), "{:?}", began.elapsed());
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_connection_beyond_the_limit_closes_the_one_that_is_idle_longest() {
-    let mut settings = defaults();
-    settings.server.max_connections = 2;
-    let server = server::start(settings, routes()).await;
-    let mut first = server.connect().await;
-    tokio::time::sleep(Duration::from_millis(20)).await;
-    let mut second = server.connect().await;
-    tokio::time::sleep(Duration::from_millis(20)).await;
-    let probe = "GET /livez HTTP/1.1\r\nhost: test\r\nconnection: close\r\n\r\n";
-    assert!(answer_to(&server, probe).await.starts_with("HTTP/1.1 200"));
-    assert_eq!(read_all(&mut first).await, "");
-    send(&mut second, probe).await;
-    assert!(read_all(&mut second).await.starts_with("HTTP/1.1 200"));
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn probes_are_answered_when_every_connection_has_a_request() {
-    let mut settings = defaults();
-    settings.server.max_connections = 2;
-    let server = server::start(settings, routes()).await;
-    let mut busy = Vec::new();
-    for _ in 0..2 {
+    let mut open = Vec::new();
+    for _ in 0..4 {
         let mut stream = server.connect().await;
-        send(&mut stream, "GET /never HTTP/1.1\r\nhost: test\r\n\r\n").await;
-        busy.push(stream);
+        send(&mut stream, "GET /livez HTTP/1.1\r\nhost: test\r\n\r\n").await;
+        assert!(stream.read(&mut [0; 4096]).await.unwrap() > 0);
+        open.push(stream);
     }
-    until("both have a request", async || server.metrics().await.contains("scallopd_http_requests_in_flight 3\n")).await;
-    for _ in 0..3 {
-        let answer = answer_to(&server, "GET /livez HTTP/1.1\r\nhost: test\r\n\r\n").await;
-        assert!(answer.starts_with("HTTP/1.1 200") && answer.contains("connection: close\r\n"), "{answer}");
-    }
+    let mut waiting = server.connect().await;
+    send(&mut waiting, "GET /livez HTTP/1.1\r\nhost: test\r\nconnection: close\r\n\r\n").await;
+    let early = tokio::time::timeout(Duration::from_millis(300), waiting.readable()).await;
+    assert!(early.is_err(), "it was served beside four others");
+    drop(open.pop());
+    assert!(read_all(&mut waiting).await.starts_with("HTTP/1.1 200"));
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn bodies_in_chunks_of_one_byte_and_bodies_with_a_byte_order_mark_are_read() {
+    let app = TestApp::start().await;
+    let body = r#"{"cutter":{"type":"ball_end","diameter_mm":6},"contact":{"slope_deg":40,"feed_angle_deg":30},"step_over_mm":0.5}"#;
+    let marked = format!("\u{feff}{body}");
+    assert_eq!(app.send("/v1/scallop-height", marked).await.status(), 200);
+    let chunks: String = body.chars().flat_map(|byte| ['1', '\r', '\n', byte, '\r', '\n']).collect();
+    let head = "POST /v1/scallop-height HTTP/1.1\r\nhost: test\r\nconnection: close\r\ncontent-type: application/json\r\ntransfer-encoding: chunked";
+    let answer = answer_to(&app, &format!("{head}\r\n\r\n{chunks}0\r\n\r\n")).await;
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
 }

@@ -31,7 +31,7 @@ fn counting() -> (Routes, Arc<AtomicUsize>) {
 async fn start() -> (TestApp, Arc<AtomicUsize>) {
     let (routes, count) = counting();
     let mut settings = defaults();
-    settings.http.max_json_bytes = LIMIT as u64;
+    settings.max_json = LIMIT as u64;
     (server::start(settings, routes).await, count)
 }
 

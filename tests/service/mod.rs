@@ -5,7 +5,6 @@ mod budget;
 #[cfg(target_os = "linux")]
 mod cancellation;
 mod connections;
-mod half_closed;
 mod launch;
 mod limits;
 #[cfg(target_os = "linux")]

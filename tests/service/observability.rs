@@ -58,17 +58,45 @@ async fn pages_have_a_policy_and_media_types_are_not_guessed() {
 #[tokio::test]
 async fn long_answers_are_compressed_on_request() {
     let server = server::start(defaults(), routes()).await;
-    let asked = server.client.get(server.url("/long")).header("accept-encoding", "gzip").send().await.unwrap();
+    let ask = |codings: &'static str| server.client.get(server.url("/long")).header("accept-encoding", codings).send();
+    let asked = ask("gzip, deflate").await.unwrap();
     assert_eq!(asked.headers()["content-encoding"], "gzip");
     assert!(asked.bytes().await.unwrap().len() < 1000);
-    let identity = server.client.get(server.url("/long")).header("accept-encoding", "identity").send().await.unwrap();
+    let identity = ask("identity").await.unwrap();
     assert!(!identity.headers().contains_key("content-encoding"));
+    // Caches must keep both apart.
+    assert_eq!(identity.headers()["vary"], "accept-encoding");
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn compressed_batches_and_recommendations_are_those_that_are_sent_plain() {
+    let server = crate::app::TestApp::start().await;
+    let slopes: Vec<_> = (0..20_000).map(|index| f64::from(index % 60) + 5.0).collect();
+    let cutter = serde_json::json!({"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2});
+    let contacts = serde_json::json!({"slope_deg": slopes, "feed_angle_deg": vec![30; slopes.len()]});
+    let batch = serde_json::json!({"cutter": cutter, "step_over_mm": 0.5, "contacts": contacts});
+    let points: Vec<_> = (0..400).map(|i| [f64::from(i % 20), f64::from(i / 20), f64::from(i % 20) / 4.0]).collect();
+    let recommendation = serde_json::json!({
+        "surface": {"points": points}, "cutters": [{"type": "ball_end", "diameter_mm": 6}], "scallop_height_mm": 0.01,
+        "machine": {"preset": "five_axis_vmc"}, "include": ["map", "passes"],
+    });
+    for (path, body) in [("/v1/scallop-height/batch", batch), ("/v1/cutter-recommendation", recommendation)] {
+        let plain = server.client.post(server.url(path)).json(&body).send().await.unwrap().bytes().await.unwrap();
+        let asked = server.client.post(server.url(path)).header("accept-encoding", "gzip").json(&body).send().await.unwrap();
+        assert_eq!((asked.status().as_u16(), asked.headers()["content-encoding"].as_bytes()), (200, &b"gzip"[..]), "{path}");
+        assert_eq!(asked.headers().get_all("vary").iter().count(), 1);
+        let file = asked.bytes().await.unwrap();
+        assert!(2 * file.len() < plain.len(), "{path}: {} of {}", file.len(), plain.len());
+        let mut back = Vec::new();
+        std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(&file[..]), &mut back).unwrap();
+        assert!(back == plain, "{path}");
+    }
 }
 
 #[tokio::test]
 async fn only_listed_origins_may_call() {
     let mut settings = defaults();
-    settings.http.cors_origins = CorsOrigins::Listed(vec!["https://panel.example".parse().unwrap()]);
+    settings.cors_origins = CorsOrigins::Listed(vec!["https://panel.example".parse().unwrap()]);
     let server = server::start(settings, routes()).await;
     let ask = |origin: &'static str| server.client.get(server.url("/items/a")).header("origin", origin).send();
     assert_eq!(ask("https://panel.example").await.unwrap().headers()["access-control-allow-origin"], "https://panel.example");

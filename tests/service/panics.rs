@@ -24,8 +24,8 @@ async fn a_panic_gives_status_500_without_detail_and_the_server_continues() {
         get(fail_on_a_worker),
     );
     let mut settings = defaults();
-    settings.http.max_in_flight = 1;
-    settings.http.max_concurrent_work = 1;
+    settings.max_in_flight = 1;
+    settings.max_concurrent_work = 1;
     let server = server::start(settings, routes).await;
     for _ in 0..5 {
         for path in ["/fail", "/fail/batch"] {

@@ -27,16 +27,20 @@ fn ask(address: SocketAddr) -> Option<String> {
 
 #[test]
 fn all_faults_of_flags_and_variables_are_reported_at_once_with_both_names() {
-    let output = scallopd().args(["--listen", "nowhere", "--max-concurrent-work", "0"]).env("SCALLOPD_LOG_LEVEL", "loud").output().unwrap();
+    let output = scallopd().args(["--listen", "nowhere", "--max-json", "0"]).env("SCALLOPD_LOG_LEVEL", "loud").output().unwrap();
     assert_eq!(output.status.code(), Some(2));
     let text = text(&output);
-    for part in [
-        "--listen or SCALLOPD_LISTEN: \"nowhere\"",
-        "--max-concurrent-work or SCALLOPD_MAX_CONCURRENT_WORK: \"0\"",
-        "SCALLOPD_LOG_LEVEL: \"loud\"",
-    ] {
+    for part in ["--listen or SCALLOPD_LISTEN: \"nowhere\"", "--max-json or SCALLOPD_MAX_JSON: \"0\"", "SCALLOPD_LOG_LEVEL: \"loud\""] {
         assert!(text.contains(part), "{part} is not in\n{text}");
     }
+}
+
+#[test]
+fn a_variable_that_no_setting_has_is_warned_of() {
+    let program = Program::run(scallopd().env("SCALLOPD_MAX_CONECTIONS", "7"));
+    program.signal("TERM");
+    let (_, log) = program.wait();
+    assert!(log.iter().any(|line| line["level"] == "WARN" && line["variable"] == "SCALLOPD_MAX_CONECTIONS"), "{log:?}");
 }
 
 #[test]
@@ -64,7 +68,10 @@ fn an_address_in_use_ends_the_program_with_a_reason() {
     let program = Program::start(&[]);
     let second = scallopd().args(["--listen", &program.address.to_string()]).output().unwrap();
     assert_eq!(second.status.code(), Some(1));
-    assert!(text(&second).contains("in use"), "{}", text(&second));
+    let address = program.address.to_string();
+    for part in ["in use", "--listen", &address] {
+        assert!(text(&second).contains(part), "{part} is not in {}", text(&second));
+    }
     program.signal("TERM");
     assert_eq!(program.wait().0, Some(0));
 }
@@ -142,6 +149,23 @@ fn a_termination_under_load_loses_no_accepted_request() {
 }
 
 #[test]
+fn a_request_that_is_cut_off_at_the_end_of_the_grace_is_logged_with_its_id() {
+    let program = Program::start(&["--shutdown-grace-s", "1"]);
+    let mut stream = TcpStream::connect(program.address).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    let head = "POST /v1/max-feed HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\nx-request-id: order-66\r\ncontent-length: 9\r\nexpect: 100-continue\r\n\r\n";
+    stream.write_all(head.as_bytes()).unwrap();
+    // The request has begun when the server asks for its body.
+    stream.read_exact(&mut [0; 25]).unwrap();
+    program.signal("TERM");
+    let (code, log) = program.wait();
+    assert_eq!(code, Some(0));
+    let of_request = log.iter().find(|line| line["request_id"] == "order-66").expect("a line");
+    assert_eq!((of_request["level"].as_str(), of_request["route"].as_str()), (Some("WARN"), Some("/v1/max-feed")));
+    assert!(of_request["message"].as_str().unwrap().contains("cut off"), "{of_request}");
+}
+
+#[test]
 fn a_request_is_one_line_with_its_id_route_status_duration_and_bytes() {
     let program = Program::start(&["--log-level", "debug"]);
     let mut stream = TcpStream::connect(program.address).unwrap();
@@ -155,6 +179,29 @@ fn a_request_is_one_line_with_its_id_route_status_duration_and_bytes() {
     assert_eq!((line["route"].as_str(), line["method"].as_str(), line["status"].as_u64()), (Some("/livez"), Some("GET"), Some(200)));
     assert_eq!((line["request_bytes"].as_u64(), line["response_bytes"].as_u64()), (Some(0), Some(6)));
     assert!(line["duration_ms"].as_f64().unwrap() >= 0.0);
+}
+
+#[test]
+fn a_line_of_a_refusal_has_the_problem_its_first_fault_and_the_path_of_a_404() {
+    let program = Program::start(&[]);
+    let mut stream = TcpStream::connect(program.address).unwrap();
+    let body = r#"{"cutter":{"type":"ball_end","diameter_mm":-1}}"#;
+    let head = format!(
+        "POST /v1/scallop-height HTTP/1.1\r\nhost: test\r\ncontent-type: application/json\r\ncontent-length: {}\r\n\r\n",
+        body.len()
+    );
+    stream.write_all((head + body).as_bytes()).unwrap();
+    stream.write_all(b"GET /nowhere HTTP/1.1\r\nhost: test\r\nconnection: close\r\n\r\n").unwrap();
+    stream.read_to_string(&mut String::new()).unwrap();
+    program.signal("TERM");
+    let (_, log) = program.wait();
+    let of_status = |status: u16| log.iter().find(|line| line["status"] == status).unwrap_or_else(|| panic!("no {status} in {log:?}"));
+    let refused = of_status(422);
+    assert_eq!((refused["problem"].as_str(), refused["pointer"].as_str()), (Some("invalid-request"), Some("/cutter/diameter_mm")));
+    assert!(refused["fault"].is_string(), "{refused}");
+    let unknown = of_status(404);
+    assert_eq!((unknown["problem"].as_str(), unknown["path"].as_str()), (Some("not-found"), Some("/nowhere")));
+    assert!(unknown.get("fault").is_none(), "{unknown}");
 }
 
 #[test]

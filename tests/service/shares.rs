@@ -16,7 +16,7 @@ fn batch(contacts: usize, model: &str) -> Value {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn bodies_that_are_awaited_take_no_place_of_those_that_are_there() {
-    let server = TestApp::start_with(|settings| settings.http.max_concurrent_work = 1).await;
+    let server = TestApp::start_with(|settings| settings.max_concurrent_work = 1).await;
     let mut waiting = Vec::new();
     for index in 0..32 {
         let mut stream = server.connect().await;
@@ -64,7 +64,7 @@ async fn an_answer_that_is_not_read_draws_on_the_memory_budget_until_its_client_
     stream.read_exact(&mut first).await.unwrap();
     assert_eq!(&first, b"HTTP/1.1 200");
     // The part of the answer that the client has not read, except some MB in the system's buffers.
-    assert!(server.state.budget.reserved() > 1 << 20, "{}", server.state.budget.reserved());
+    assert!(server.state.budget.held() > 1 << 20, "{}", server.state.budget.held());
     drop(stream);
-    until("its memory is free", async || server.state.budget.reserved() == 0).await;
+    until("its memory is free", async || server.state.budget.held() == 0).await;
 }

@@ -30,7 +30,7 @@ fn problem_of(body: &str) -> serde_json::Value {
 async fn requests_beyond_the_limit_are_shed_while_probes_answer() {
     let release = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
-    settings.http.max_in_flight = 3;
+    settings.max_in_flight = 3;
     let server = server::start(settings, waiting(&release)).await;
     let held: Vec<_> = (0..3).map(|_| tokio::spawn(server.client.get(server.url("/single")).send())).collect();
     // The three requests, and the scrape itself.
@@ -57,7 +57,7 @@ async fn requests_beyond_the_limit_are_shed_while_probes_answer() {
 async fn batches_beyond_their_limit_are_shed_while_single_requests_answer() {
     let release = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
-    settings.http.max_concurrent_work = 2;
+    settings.max_concurrent_work = 2;
     let server = server::start(settings, waiting(&release)).await;
     let batch = || server.client.post(server.url("/batch")).body("{}").send();
     let held: Vec<_> = (0..2).map(|_| tokio::spawn(batch())).collect();

@@ -65,7 +65,7 @@ async fn requests_sent_right_before_the_stop_are_answered() {
 async fn the_grace_limits_the_time_to_stop() {
     let never = Arc::new(Semaphore::new(0));
     let mut settings = defaults();
-    settings.server.shutdown_grace = Duration::from_secs(1);
+    settings.shutdown_grace_s = Some(Duration::from_secs(1));
     let mut server = server::start(settings, waiting(&never)).await;
     let held = tokio::spawn(server.client.get(server.url("/wait")).send());
     until("in flight", async || server.metrics().await.contains("scallopd_http_requests_in_flight 2\n")).await;

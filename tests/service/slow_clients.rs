@@ -47,20 +47,20 @@ async fn idle_and_trickling_connections_do_not_stop_a_request() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn silent_connections_and_unfinished_heads_are_closed() {
     let mut settings = defaults();
-    settings.server.header_timeout = Duration::from_secs(1);
+    settings.client_timeout_s = Duration::from_secs(1);
     let server = server::start(settings, routes()).await;
     for begin in ["", "GET /length HTTP/1.1\r\nhost"] {
         let mut stream = server.connect().await;
         send(&mut stream, begin).await;
         let answer = read_all(&mut stream).await;
-        assert!(answer.is_empty() || answer.starts_with("HTTP/1.1 408"), "{answer}");
+        assert_eq!(answer, "");
     }
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_stalled_body_is_answered_with_408() {
     let mut settings = defaults();
-    settings.http.body_idle_timeout = Duration::from_secs(1);
+    settings.client_timeout_s = Duration::from_secs(1);
     let server = server::start(settings, routes()).await;
     let mut stream = server.connect().await;
     send(&mut stream, "POST /length HTTP/1.1\r\nhost: test\r\ncontent-length: 1000\r\n\r\n0123").await;
@@ -72,7 +72,7 @@ async fn a_stalled_body_is_answered_with_408() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_handler_that_takes_too_long_is_answered_with_408() {
     let mut settings = defaults();
-    settings.http.request_timeout = Duration::from_secs(1);
+    settings.request_timeout_s = Duration::from_secs(1);
     let server = server::start(settings, routes()).await;
     let answer = server.get("/never").await;
     assert_eq!(answer.status(), 408);
@@ -82,7 +82,7 @@ async fn a_handler_that_takes_too_long_is_answered_with_408() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_connection_of_a_client_that_leaves_its_answer_unread_is_closed() {
     let mut settings = defaults();
-    settings.server.write_timeout = Duration::from_secs(1);
+    settings.client_timeout_s = Duration::from_secs(1);
     let mut server = server::start(settings, routes()).await;
     let mut stream = server.connect().await;
     // 64 MB do not fit the system's buffers: the server waits for the client.

@@ -73,19 +73,13 @@ pub(crate) fn ply(encoding: &str, vertices: &[[f32; 3]], triangles: &[[usize; 3]
 
 /// A ZIP archive of these files, deflated.
 pub(crate) fn zip(files: &[(&str, &[u8])]) -> Vec<u8> {
-    let mut output = Vec::new();
-    let mut archive = rawzip::ZipArchiveWriter::new(&mut output);
+    let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated).compression_level(Some(1));
     for (name, content) in files {
-        let (mut entry, config) = archive.new_file(name).compression_method(rawzip::CompressionMethod::DEFLATE).start().unwrap();
-        let encoder = flate2::write::DeflateEncoder::new(&mut entry, flate2::Compression::fast());
-        let mut writer = config.wrap(encoder);
-        writer.write_all(content).unwrap();
-        let (encoder, descriptor) = writer.finish().unwrap();
-        encoder.finish().unwrap();
-        entry.finish(descriptor).unwrap();
+        archive.start_file(*name, options).unwrap();
+        archive.write_all(content).unwrap();
     }
-    archive.finish().unwrap();
-    output
+    archive.finish().unwrap().into_inner()
 }
 
 /// A ZIP archive whose directory has this many entries, 47 bytes each, without their files.

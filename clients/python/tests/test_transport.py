@@ -84,7 +84,7 @@ class Restarts(unittest.TestCase):
         self.assertLess(time.monotonic() - started, 5)
 
     def test_a_connection_that_the_server_closed_while_idle_is_replaced_without_repeats_being_allowed(self) -> None:
-        service = Service("--header-timeout-s", "1")
+        service = Service("--client-timeout-s", "1")
         self.addCleanup(service.kill)
         client = scallopd.Client(service.url, retry_for=0)
         ask(client)
@@ -224,7 +224,7 @@ class Refusals(unittest.TestCase):
     """Bodies that the real program does not take."""
 
     def test_a_body_over_the_limit_is_a_problem_and_no_broken_connection(self) -> None:
-        service = Service("--max-upload-bytes", "100000")
+        service = Service("--max-upload", "100000")
         self.addCleanup(service.kill)
         client = scallopd.Client(service.url, retry_for=2)
         with self.assertRaises(scallopd.Problem) as raised:

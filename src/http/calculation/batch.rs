@@ -2,23 +2,22 @@
 //! contact without an answer does not affect the others.
 
 use super::column::{Column, Table};
-use super::selection::Selection;
+use super::selected_columns::Selection;
 use super::single::{self, warnings_schema};
 use super::{Calculation, Inputs};
+use crate::budget::Job;
 use crate::cancellation::CancelFlag;
-use crate::http::body::{JsonBody, WrittenJson};
-use crate::http::codes::{FaultCode, RequestFault};
+use crate::http::codes::RequestFault;
+use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
-use crate::http::reading::{Components, CutOut, Fault, Faulted, Faults, Kind, Large, Members, Object, ObjectSchema};
+use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
     BatchContact, CHECK_FIGURES, ContactParameters, Contacts, Failure, Figures, Get, InOrder, MODEL, SharedMembers, SharedParameters,
     Summary, Warning, no_answer,
 };
 use crate::http::worker_pool::Work;
-use crate::json_text::{JsonPath, PlainJson, Unusual};
 use crate::milling::{EvaluatedPass, NoAnswer};
-use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -37,30 +36,15 @@ const MOST_FAULTS: usize = 100;
 /// The largest number of faults listed for one contact.
 const MOST_FAULTS_OF_A_CONTACT: usize = 8;
 
-/// The length of a contact by angles with six decimals, in bytes.
-const USUAL_CONTACT: usize = 46;
-
-/// The memory of a contact in the columns and in the answer's text, in bytes. Measured: 250 000 contacts with the most
-/// columns take 92 MiB beside their body, 386 bytes each, of which 176 are the answer. Contacts sent as columns are
-/// stored as up to 13 columns, with 8 bytes for each number and 16 for each array.
-const MEMORY_OF_A_CONTACT: usize = 660;
-
-/// The memory of the listed failures and of the rest of an answer.
-const MEMORY_OF_AN_ANSWER: usize = 1 << 20;
-
 /// Answers a request with many contacts, on worker threads and within the memory budget.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     // There is a comma between contacts, as objects or in a column.
     let contacts = Contacts::MOST.min(memchr::memchr_iter(b',', body.json()).count() + 1);
-    let memory = work.budget().reserve((contacts * MEMORY_OF_A_CONTACT + MEMORY_OF_AN_ANSWER) as u64)?;
-    work.run(move |cancel| compute::<C>(&body, cancel)?.holding(memory)).await?
+    work.answer(Job::Batch { contacts }, move |cancel| compute::<C>(&body, cancel)).await
 }
 
 fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
-    if let Some(answer) = compute_plain::<C>(body.json(), cancel) {
-        return answer;
-    }
-    body.read_until(cancel, |object, faults| {
+    body.read(|object, faults| {
         let path = object.path();
         let (defaults, batch) = Batch::<C>::read(object, faults);
         let path = path.member(CONTACTS);
@@ -78,29 +62,8 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
             return Err(Faulted);
         }
         let batch = batch?;
-        batch.compute_contacts(&contacts, path, cancel).answer(&batch, cancel, faults)
+        batch.compute(&contacts, path, cancel).answer(&batch, cancel, faults)
     })
-}
-
-/// Answers a batch whose contacts can be read in one pass, without a check of the body's syntax before. `None` if
-/// the request may have faults other than those of single contacts; then nothing is answered yet.
-fn compute_plain<C: Calculation>(body: &[u8], cancel: &CancelFlag) -> Option<Result<WrittenJson, Problem>> {
-    let cut = CutOut::of(body, CONTACTS)?;
-    let mut faults = Faults::until(cancel);
-    let mut object = Object::open_body(&cut.rest, &mut faults).ok()?.ok()?;
-    let batch = Batch::<C>::read(&mut object, &mut faults).1.ok()?;
-    let is_contacts = object.take(CONTACTS, &mut faults).is_some_and(|place| cut.is_place(place));
-    object.close(&mut faults).ok()?;
-    if !is_contacts || !faults.is_empty() {
-        return None;
-    }
-    let root = JsonPath::Root;
-    let path = root.member(CONTACTS);
-    let whole = match cut.large() {
-        Large::Rows(runs) => batch.compute_runs(&runs, path, cancel)?,
-        Large::Columns(columns) => batch.compute_contacts(&Contacts::of_plain(columns, C::STATED)?, path, cancel),
-    };
-    Some(whole.answer(&batch, cancel, &mut faults).map_err(|Faulted| Problem::faulty_request(faults)))
 }
 
 /// The parts of a request beside its contacts.
@@ -136,44 +99,13 @@ impl<C: Calculation> Batch<C> {
         (defaults, batch())
     }
 
-    /// Reads runs of contacts whose syntax has not been checked, and computes them. `None` if the general reader has
-    /// to read them.
-    fn compute_runs(&self, runs: &[&[u8]], path: JsonPath<'_>, cancel: &CancelFlag) -> Option<Part> {
-        let count = AtomicUsize::new(0);
-        let compute = |run: &&[u8]| {
-            let part = self.compute_run(run, cancel)?;
-            let too_many = count.fetch_add(part.count, Ordering::Relaxed) + part.count > Contacts::MOST;
-            if too_many { Err(Unusual) } else { Ok(part) }
-        };
-        let mut whole = runs.par_iter().map(compute).try_reduce(|| self.part(0), |all, next| Ok(all.followed_by(next))).ok()?;
-        whole.failures.iter_mut().for_each(|(index, faults)| prepend_location(faults, path.item(*index)));
-        Some(whole)
-    }
-
-    /// Reads a run of contacts and computes them. Paths are those in a contact.
-    fn compute_run(&self, run: &[u8], cancel: &CancelFlag) -> Result<Part, Unusual> {
-        let mut json = PlainJson::new(run);
-        let mut part = self.part(run.len() / USUAL_CONTACT);
-        let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT, cancel);
-        while !cancel.is_cancelled() {
-            let path = JsonPath::Root;
-            let contact = BatchContact::read_next(&mut json, &self.defaults, path, &mut faults)?;
-            self.take_in(&mut part, &contact, path, &mut faults);
-            if json.is_at_end() {
-                break;
-            }
-            json.expect(b',')?;
-        }
-        Ok(part)
-    }
-
     /// Reads and computes contacts on all cores; the rest of a cancelled batch is left out.
-    fn compute_contacts(&self, contacts: &Contacts<'_>, path: JsonPath<'_>, cancel: &CancelFlag) -> Part {
+    fn compute(&self, contacts: &Contacts<'_>, path: JsonPath<'_>, cancel: &CancelFlag) -> Part {
         let compute = |chunk: usize| {
             let first = chunk * CHUNK;
             let end = contacts.count().min(first + CHUNK);
             let mut part = self.part(end - first);
-            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT, cancel);
+            let mut faults = Faults::at_most(MOST_FAULTS_OF_A_CONTACT);
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, &self.defaults, path, &mut faults);
@@ -224,15 +156,6 @@ impl<C: Calculation> Batch<C> {
     fn part(&self, count: usize) -> Part {
         let columns = self.selection.figures.iter().map(|_| Column::with_capacity(count)).collect();
         Part { columns, count: 0, failed: 0, failures: Vec::new(), outside_range: 0, warnings: Vec::new() }
-    }
-}
-
-/// Puts the location of a contact before the pointers of its faults.
-fn prepend_location(faults: &mut [Fault], contact: JsonPath<'_>) {
-    let contact = contact.to_string();
-    // The entry that counts further faults has no place.
-    for fault in faults.iter_mut().filter(|fault| fault.code != FaultCode::from(RequestFault::FurtherFaults)) {
-        fault.pointer.insert_str(0, &contact);
     }
 }
 
@@ -335,7 +258,7 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
     let contacts = Contacts::schema(C::STATED, components);
     let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
     let schema = ObjectSchema::new(about, components).with::<SharedMembers>();
-    let schema = ContactParameters::describe(schema, C::STATED).with::<C::Members>();
+    let schema = schema.with_members(C::STATED.members()).with::<C::Members>();
     Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
 }
 

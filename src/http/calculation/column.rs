@@ -1,7 +1,7 @@
 //! The columns of a batch's answer. Each thread writes its rows directly as JSON text, so that no column is in memory
 //! both as numbers and as text.
 
-use crate::http::body::WrittenJson;
+use crate::http::json_body::WrittenJson;
 use crate::http::wire::{Extreme, Extremes};
 use serde::Serialize;
 

@@ -1,9 +1,8 @@
 //! The limits of cutter and machine on the feed, and the conversion between feed per tooth and feed rate.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Faulted, Faults, Member, Quantity};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Member, Quantity};
 use crate::http::wire::{CUTTER, Figure, SharedParameters, TEETH};
-use crate::json_text::JsonPath;
 use crate::quantity::{Length, OutOfRange};
 
 pub(super) const SPINDLE_SPEED: Member<Quantity<f64>> = Member::new(

@@ -4,20 +4,20 @@
 
 mod batch;
 mod column;
-mod cutting_parameters;
+mod fastest_parameters;
 mod feed_limits;
 mod max_feed;
+mod max_step_over;
 mod operations;
 mod scallop_height;
-mod selection;
+mod selected_columns;
 mod single;
-mod step_over;
 
-use cutting_parameters::FastestParameters;
+use fastest_parameters::FastestParameters;
 use max_feed::MaxFeed;
+use max_step_over::MaxStepOver;
 use operations::{Texts, operations_of};
 use scallop_height::ScallopHeight;
-use step_over::MaxStepOver;
 
 use super::examples::examples;
 use super::reading::{Faulted, Faults, Members};

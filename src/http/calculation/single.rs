@@ -1,8 +1,8 @@
 //! Requests with one contact, as JSON or as a query, and their answers.
 
 use super::{Calculation, Inputs};
-use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::codes::WarningCode;
+use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
 use crate::http::query::Query;
 use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, ObjectSchema};
@@ -51,7 +51,7 @@ pub(super) fn warnings_schema(components: &mut Components) -> ArrayBuilder {
 /// The schema of a request with one contact.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
     let schema = ObjectSchema::new("A calculation at one contact", components).with::<SharedMembers>().required(&CONTACT);
-    ContactParameters::describe(schema, C::STATED).with::<C::Members>().build()
+    schema.with_members(C::STATED.members()).with::<C::Members>().build()
 }
 
 /// Answers a request with one contact.

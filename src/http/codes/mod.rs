@@ -2,23 +2,23 @@
 //! answer, problem types, warnings, reasons for less confidence, and reasons why a cutter is not ranked. Each code is
 //! declared with its name, its meaning and a remedy; `docs/codes.md` is generated from the declarations.
 
-mod confidence;
-mod fault;
-mod file;
-mod no_answer;
-mod not_ranked;
-mod problem;
+mod confidence_code;
+mod file_fault;
+mod no_answer_code;
+mod not_ranked_code;
+mod problem_type;
+mod request_fault;
 #[cfg(test)]
 mod table;
-mod warning;
+mod warning_code;
 
-pub(crate) use confidence::ConfidenceCode;
-pub(crate) use fault::{FaultCode, RequestFault};
-pub(crate) use file::FileFault;
-pub(crate) use no_answer::{NoAnswerCode, ProblemFigure};
-pub(crate) use not_ranked::NotRankedCode;
-pub(crate) use problem::{ProblemType, ServiceProblem};
-pub(crate) use warning::WarningCode;
+pub(crate) use confidence_code::ConfidenceCode;
+pub(crate) use file_fault::FileFault;
+pub(crate) use no_answer_code::{NoAnswerCode, ProblemFigure};
+pub(crate) use not_ranked_code::NotRankedCode;
+pub(crate) use problem_type::{ProblemType, ServiceProblem};
+pub(crate) use request_fault::{FaultCode, RequestFault};
+pub(crate) use warning_code::WarningCode;
 
 use axum::http::StatusCode;
 

@@ -3,45 +3,34 @@
 
 mod body;
 mod browser;
-mod layer;
 mod observe;
 
 use std::sync::Arc;
 
 use axum::Router;
-use axum::extract::{DefaultBodyLimit, Request};
+use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::{StatusCode, Version, header};
+use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tower::ServiceBuilder;
 use tower_http::catch_panic::CatchPanicLayer;
-use tower_http::compression::CompressionLayer;
-use tower_http::compression::predicate::{DefaultPredicate, Predicate, SizeAbove};
 
 use super::app_state::AppState;
 use super::codes::ServiceProblem;
+use super::compression::{accepts_gzip, compress};
 use super::metrics::Metrics;
 use super::overload::Overload;
 use super::problem::Problem;
 use super::routes::RouteClass;
 use super::worker_pool::Work;
-use crate::memory_budget::MemoryBudget;
-use crate::settings::HttpSettings;
+use crate::settings::Settings;
 use body::{BodyProgress, BodyRules};
-use layer::{Middleware, MiddlewareLayer};
-use observe::Observe;
-
-/// Answers up to this size fit one packet: compressing them costs time and saves nothing.
-const MIN_COMPRESSED_BYTES: u16 = 1024;
-
-/// The memory budget that the outermost layer has added to `request`.
-pub(super) fn memory_budget(request: &Request) -> MemoryBudget {
-    BodyProgress::of(request).budget().clone()
-}
+use observe::{Observer, observe};
 
 /// The middleware of one service.
 pub(super) struct Stack<'a> {
-    settings: &'a HttpSettings,
+    settings: &'a Settings,
     state: &'a AppState,
     /// Permits for requests in flight. Requests beyond them are refused, not queued, because a queue would delay every
     /// request.
@@ -49,49 +38,45 @@ pub(super) struct Stack<'a> {
 }
 
 impl<'a> Stack<'a> {
-    pub(super) fn new(settings: &'a HttpSettings, state: &'a AppState) -> Self {
+    pub(super) fn new(settings: &'a Settings, state: &'a AppState) -> Self {
         Self { settings, state, in_flight: Arc::new(Semaphore::new(settings.max_in_flight)) }
     }
 
     /// Wraps `router`, whose routes are all of `class`, in the middleware. From the outermost to the innermost:
-    /// 1. request id, log line and counters, which cover every other layer; the body is counted and its rate checked as
-    ///    it arrives;
+    /// 1. request id, log line and counters, which cover every other layer; the body is counted as it arrives;
     /// 2. errors become problems, whichever layer or handler they come from;
     /// 3. headers for browsers, on errors as well;
-    /// 4. compression of answers;
+    /// 4. compression of answers that no worker has compressed;
     /// 5. panics become answers;
     /// 6. load shedding, before the body is read;
     /// 7. the request time-out;
-    /// 8. decompression of the body, and inside it the body limit, so that a small compressed body cannot expand
-    ///    without bound.
+    /// 8. the body's time-outs, its decompression, and inside it the body limit, so that a small compressed body cannot
+    ///    expand without bound.
     ///
     /// All layers are added as one service: the router would box each separate layer, and clone it with all inner
     /// layers for every request.
     pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
         let AppState { metrics, readiness, workers, budget } = self.state.clone();
         let rules = Arc::new(BodyRules::new(class, self.settings));
-        let work = class.uses_workers().then(|| Work::new(workers, budget.clone(), metrics.clone()));
+        let work = class.uses_workers().then(|| Work::new(workers.clone(), budget, metrics.clone()));
         let in_flight = class.is_shed().then(|| Arc::clone(&self.in_flight));
         let admit = Admit { in_flight, metrics: metrics.clone(), work, rules: Arc::clone(&rules) };
-        let observe = Observe { class, metrics, readiness, pace: rules.pace, budget };
-        let compression =
-            CompressionLayer::new().compress_when(DefaultPredicate::new().and(SizeAbove::new(u64::from(MIN_COMPRESSED_BYTES))));
+        let observer = Observer { class, metrics, readiness };
         // Layer 8 replaces the framework's own body limit of 2 MB.
         let all = ServiceBuilder::new()
-            .layer(MiddlewareLayer(observe))
+            .layer(from_fn_with_state(observer, observe))
             .option_layer(browser::cors(&self.settings.cors_origins))
             .map_response(browser::secure)
-            .layer(compression)
+            .layer(from_fn_with_state(workers.clone(), compress))
             .layer(CatchPanicLayer::custom(describe_panic))
-            .layer(MiddlewareLayer(admit))
-            .map_request(move |request| rules.decompress(request))
+            .layer(from_fn_with_state(Arc::new(admit), answer_admitted))
+            .map_request(move |request| rules.limit(request))
             .layer(DefaultBodyLimit::disable());
         router.layer(all)
     }
 }
 
-/// Layers 6 and 7.
-#[derive(Clone)]
+/// The limits of layers 6 and 7.
 struct Admit {
     /// `None` for routes that are answered under any load.
     in_flight: Option<Arc<Semaphore>>,
@@ -115,25 +100,18 @@ impl Admit {
     }
 }
 
-impl Middleware for Admit {
-    fn handle<F>(&self, mut request: Request, inner: impl FnOnce(Request) -> F) -> impl Future<Output = Response> + Send + 'static
-    where
-        F: Future<Output = Response> + Send + 'static,
-    {
-        let admitted = self.admit(&request).map(|permit| {
-            if let Some(work) = &self.work {
-                request.extensions_mut().insert(work.clone());
-            }
-            let progress = BodyProgress::of(&request);
-            (permit, body::answer_in_time(self.rules.request_timeout, progress, inner(request)))
-        });
-        async {
-            match admitted {
-                Ok((_permit, answer)) => answer.await,
-                Err(refusal) => refusal,
-            }
-        }
+/// Layers 6 and 7.
+async fn answer_admitted(State(admit): State<Arc<Admit>>, mut request: Request, next: Next) -> Response {
+    let _permit = match admit.admit(&request) {
+        Ok(permit) => permit,
+        Err(refusal) => return refusal,
+    };
+    if let Some(work) = &admit.work {
+        let work = work.clone().compressing(accepts_gzip(request.headers()));
+        request.extensions_mut().insert(work);
     }
+    let progress = BodyProgress::of(&request);
+    body::answer_in_time(admit.rules.request_timeout, progress, next.run(request)).await
 }
 
 /// Checks that an HTTP/1.1 request has one `Host` header (RFC 9112, section 3.2).

@@ -135,6 +135,11 @@ enum CutterKindName {
     Toroidal,
     BallEnd,
     FlatEnd,
+    TaperedBall,
+    Lens,
+    Oval,
+    ConicalBarrel,
+    Profile,
 }
 
 answer! {
@@ -198,7 +203,7 @@ answer! {
     }
 }
 
-same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd);
+same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd, TaperedBall, Lens, Oval, ConicalBarrel, Profile);
 
 impl RankedCandidate {
     /// A plan simulated on the surface.

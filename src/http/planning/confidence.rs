@@ -1,5 +1,6 @@
 //! Wire objects of an answer's confidence: its level, and the weaknesses of the method on this surface.
 
+use super::unit_doubt::UnitDoubt;
 use crate::http::codes::{ConfidenceCode, same_names};
 use crate::http::wire::answer;
 use crate::planning::{Confidence, Level, Reason};
@@ -58,6 +59,19 @@ where
             threshold: reason.threshold,
         });
         Self { level: confidence.level().into(), reasons: reasons.collect() }
+    }
+}
+
+impl ConfidenceAnswer {
+    /// The same confidence, low if there is a doubt about the unit.
+    pub(super) fn doubting(mut self, doubt: Option<&UnitDoubt>) -> Self {
+        if let Some(UnitDoubt { side_mm, bound_mm, detail }) = doubt {
+            self.level = LevelName::Low;
+            let code = ConfidenceCode::UnitUnlikely;
+            let reason = ReasonAnswer { code, level: LevelName::Low, detail: detail.clone(), value: *side_mm, threshold: *bound_mm };
+            self.reasons.insert(0, reason);
+        }
+        self
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster};
 use super::job::{self, JobMembers};
-use crate::http::body::JsonBody;
 use crate::http::codes::{RequestFault, WarningCode};
 use crate::http::document::described;
+use crate::http::json_body::JsonBody;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Components, Fault, Faulted, Faults, Form, Members, Object, ObjectSchema, Quantity, members};
 use crate::http::wire::{Warning, answer};

@@ -1,9 +1,8 @@
 //! A job: two cutters to compare, the scallop height that they may leave, the machine, and the model.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Fault, Faulted, Faults, Members, Object, Quantity, members};
+use crate::http::reading::{Choice, Fault, Faulted, Faults, JsonPath, Members, Object, Quantity, members};
 use crate::http::wire::{BallEndCutter, MACHINE, MODEL, Machine, ToroidalCutter};
-use crate::json_text::JsonPath;
 use crate::milling::Model;
 use crate::planning::{Job, JobError};
 use crate::quantity::Length;

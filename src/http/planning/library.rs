@@ -1,9 +1,8 @@
 //! The tool libraries of an upload: their cutters, faults and warnings.
 
 use crate::http::codes::{FileFault, WarningCode};
-use crate::http::reading::{Faulted, Faults};
+use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{NamedCandidate, Warning};
-use crate::json_text::JsonPath;
 use crate::tooling::{FaultyTool, LibraryFault, LibraryFaults, ToolLibrary};
 use std::collections::BTreeMap;
 

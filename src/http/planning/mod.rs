@@ -9,13 +9,13 @@ mod job;
 mod library;
 mod machines;
 mod map;
-mod memory;
 mod parameters;
 mod passes;
 mod plan;
 mod recommendation;
 mod shape;
 mod simulation;
+mod unit_doubt;
 mod upload;
 
 use super::examples::examples;

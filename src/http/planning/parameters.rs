@@ -2,9 +2,8 @@
 
 use super::library::Libraries;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Faulted, Faults, List, Members, Object, Quantity, members};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, members};
 use crate::http::wire::{CandidateKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SelectKind, UNIT};
-use crate::json_text::JsonPath;
 use crate::milling::Model;
 use crate::motion;
 use crate::planning::zigzag::{Directions, Pattern, ZigzagSettings};

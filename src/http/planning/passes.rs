@@ -59,14 +59,6 @@ answer! {
 }
 
 impl PassesAnswer {
-    /// The memory in bytes to compute the passes, in addition to the simulation: the view, with height, facet and side
-    /// of each cell; the heights of its cells and blocks in single precision; and the points.
-    pub(super) fn bytes(machined: &MachinedSurface, simulation: &Simulation) -> u64 {
-        const VIEW: usize = (13 + 6) * SIDE * SIDE;
-        let plan = simulation.ranking.plans.first();
-        plan.map_or(0, |plan| VIEW + zigzag::bytes_of_passes(plan, &machined.facets, MOST_POINTS)) as u64
-    }
-
     /// The passes of the fastest plan; `None` without a plan. Once `stop` returns true, the result must be discarded.
     pub(super) fn new(machined: &MachinedSurface, simulation: &Simulation, stop: Stop) -> Option<Result<Self, TooManyPoints>> {
         let plan = simulation.ranking.plans.first()?;

@@ -4,25 +4,21 @@ use super::answer::{RankedCandidate, RecommendationAnswer, RecommendedCutter};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::map::MapAnswer;
-use super::memory::{BYTES_OF_A_MAP, Resources};
 use super::parameters::{Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
 use super::simulation::{Simulation, report};
+use super::unit_doubt::UnitDoubt;
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
-use crate::http::reading::{Faulted, Faults};
+use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSource, Warning};
-use crate::json_text::JsonPath;
-use crate::memory_budget::BudgetExceeded;
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
 use crate::planning::machined_surface::{MachinedSurface, Stop};
-use crate::planning::memory::RankingSize;
 use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
 use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
-use crate::surface::mesh::MeshSize;
 use crate::surface::{ReceivedSurface, Shape, ShapeError};
 
 /// A recommendation to compute: a surface and the parameters.
@@ -33,6 +29,8 @@ pub(super) struct Task {
     machined: Option<MachinedSurface>,
     source: Source,
     pub(super) warnings: Vec<Warning>,
+    /// The doubt about the unit that was assumed.
+    unit_doubt: Option<UnitDoubt>,
 }
 
 impl Task {
@@ -48,6 +46,11 @@ impl Task {
         let shape = sourced.surface.sampled.shape(unit, parameters.facing);
         let shape = shape.map_err(|error| faults.add(path, shape_code(error), error))?;
         let mut warnings = sourced.warnings(&shape);
+        let smallest = parameters.candidates.iter().map(|named| 2.0 * named.candidate.cutter.outer_radius().mm()).reduce(f64::min);
+        // A unit that the file or the request states is believed.
+        let is_assumed = parameters.unit.is_none() && sourced.is_file() && sourced.unit.is_none();
+        let unit_doubt = smallest.filter(|_| is_assumed).and_then(|smallest| UnitDoubt::about(&shape, unit, smallest));
+        warnings.extend(unit_doubt.as_ref().map(UnitDoubt::warning));
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let Parameters { facing, ref selection, max_slope, method, .. } = parameters;
         let machined = match MachinedSurface::new(mesh, unit, facing, selection, max_slope, stop) {
@@ -70,30 +73,22 @@ impl Task {
                 return Err(faults.add(path, RequestFault::SizeOutOfRange, detail));
             }
         }
-        Ok(Self { parameters, shape, machined, source, warnings })
-    }
-
-    /// The size of the mesh and of the ranking on it.
-    pub(super) fn size(&self) -> (MeshSize, RankingSize) {
-        let candidates: Vec<_> = self.parameters.candidates.iter().map(|named| named.candidate).collect();
-        let none = (MeshSize { facets: 0, points: 0 }, RankingSize { facets: 0, candidates: candidates.len(), diameters: 0 });
-        self.machined.as_ref().map_or(none, |machined| (machined.mesh.size(), RankingSize::of(&machined.mesh, &candidates)))
+        Ok(Self { parameters, shape, machined, source, warnings, unit_doubt })
     }
 
     /// The answer, or the problem that no cutter fits. Once `stop` returns true, the answer must be discarded.
-    pub(super) fn answer(mut self, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
+    pub(super) fn answer(mut self, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         match (self.parameters.method, self.machined.take()) {
-            (Method::Surface, Some(machined)) => self.on_surface(&machined, resources, stop),
-            (_, machined) => self.on_rectangle(machined.as_ref(), resources, stop),
+            (Method::Surface, Some(machined)) => self.on_surface(&machined, stop),
+            (_, machined) => self.on_rectangle(machined.as_ref(), stop),
         }
     }
 
-    fn on_surface(mut self, machined: &MachinedSurface, resources: &mut Resources, stop: Stop) -> Result<RecommendationAnswer, Problem> {
+    fn on_surface(mut self, machined: &MachinedSurface, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let (all, by) = ((0..self.parameters.candidates.len()).collect::<Vec<_>>(), self.parameters.model());
-        let Some(simulation) = Simulation::run(machined, &self.parameters, &all, &self.shape, by, resources, stop)? else {
+        let Some(simulation) = Simulation::run(machined, &self.parameters, &all, &self.shape, by, stop) else {
             return Err(Problem::no_cutter_fits(Vec::new()));
         };
-        resources.keep_one_plan(machined.mesh.size(), RankingSize::of(&machined.mesh, &simulation.candidates));
         let ranking = &simulation.ranking;
         let named = &self.parameters.candidates;
         let mut not_ranked: Vec<NotRanked> =
@@ -105,41 +100,21 @@ impl Task {
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
-        // Before the passes, which can be left out if the memory does not suffice for both.
-        let has_map = self.parameters.includes(Part::Map);
-        resources.add(if has_map { BYTES_OF_A_MAP } else { 0 }, stop)?;
-        let passes = if self.parameters.includes(Part::Passes) { self.passes(machined, &simulation, resources, stop)? } else { None };
-        let map = if has_map { MapAnswer::new(machined, &simulation, stop) } else { None };
+        let passes = if self.parameters.includes(Part::Passes) { self.passes(machined, &simulation, stop) } else { None };
+        let map = if self.parameters.includes(Part::Map) { MapAnswer::new(machined, &simulation, stop) } else { None };
         let published = self.published().map(|published| published.plan);
         let answer = self.answered(candidates, not_ranked, Some(machined), published, confidence.into());
         Ok(RecommendationAnswer { map, passes, ..answer })
     }
 
-    /// The passes of the fastest plan, unless they have too many points or take more memory than one request may use.
-    fn passes(
-        &mut self,
-        machined: &MachinedSurface,
-        simulation: &Simulation,
-        resources: &mut Resources,
-        stop: Stop,
-    ) -> Result<Option<PassesAnswer>, Problem> {
-        let passes = match resources.add(PassesAnswer::bytes(machined, simulation), stop) {
-            Err(BudgetExceeded::Now) => return Err(BudgetExceeded::Now.into()),
-            Err(BudgetExceeded::Always) => Err("the passes need more memory than one request may use".to_owned()),
-            Ok(()) => PassesAnswer::new(machined, simulation, stop).transpose().map_err(|error| error.to_string()),
-        };
-        Ok(passes.unwrap_or_else(|reason| {
-            self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{reason}, and were left out")));
-            None
-        }))
+    /// The passes of the fastest plan, unless they have too many points.
+    fn passes(&mut self, machined: &MachinedSurface, simulation: &Simulation, stop: Stop) -> Option<PassesAnswer> {
+        PassesAnswer::new(machined, simulation, stop)?
+            .map_err(|reason| self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{reason}, and were left out"))))
+            .ok()
     }
 
-    fn on_rectangle(
-        mut self,
-        machined: Option<&MachinedSurface>,
-        resources: &mut Resources,
-        stop: Stop,
-    ) -> Result<RecommendationAnswer, Problem> {
+    fn on_rectangle(mut self, machined: Option<&MachinedSurface>, stop: Stop) -> Result<RecommendationAnswer, Problem> {
         let named = &self.parameters.candidates;
         let feed_rate = self.parameters.machine.limits.feed_rate;
         let slope = if self.shape.steepest_direction.is_some() { self.shape.slope } else { Angle::ZERO };
@@ -161,7 +136,7 @@ impl Task {
         }));
         let published = self.published();
         let compared = published.as_ref().map(|published| published.plan);
-        let confidence = self.confidence_in_rectangle(published, &candidates, machined, resources, stop)?;
+        let confidence = self.confidence_in_rectangle(published, &candidates, machined, stop);
         Ok(self.answered(candidates, not_ranked, machined, compared, confidence))
     }
 
@@ -186,7 +161,7 @@ impl Task {
             critical_form_factor: published.map(|plan| plan.critical_form_factor.form_factor().ratio()),
             map: None,
             passes: None,
-            confidence,
+            confidence: confidence.doubting(self.unit_doubt.as_ref()),
             warnings: self.warnings,
         }
     }
@@ -198,17 +173,16 @@ impl Task {
         published: Option<Recommendation>,
         candidates: &[RankedCandidate],
         machined: Option<&MachinedSurface>,
-        resources: &mut Resources,
         stop: Stop,
-    ) -> Result<ConfidenceAnswer, Problem> {
+    ) -> ConfidenceAnswer {
         let times: Vec<Time> = candidates.iter().map(RankedCandidate::time).collect();
         let confidence = published.map_or_else(|| Confidence::of_shape(&self.shape, &times), |published| published.confidence);
-        let Some(machined) = machined else { return Ok((&confidence).into()) };
+        let Some(machined) = machined else { return (&confidence).into() };
         // The order depends on the recommended cutter and the next one.
         let compared: Vec<usize> = candidates.iter().take(2).map(|candidate| candidate.cutter).collect();
         let by = Model::Envelope;
-        let Some(simulation) = Simulation::run(machined, &self.parameters, &compared, &self.shape, by, resources, stop)? else {
-            return Ok((&confidence).into());
+        let Some(simulation) = Simulation::run(machined, &self.parameters, &compared, &self.shape, by, stop) else {
+            return (&confidence).into();
         };
         let figures = simulation.ranking.surface;
         let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: machined.machined_pieces };
@@ -220,7 +194,7 @@ impl Task {
         // Without a simulation of the recommended cutter, the others cannot be compared with it.
         let times: Vec<_> =
             if candidates.first().and_then(simulated).is_some() { candidates.iter().filter_map(simulated).collect() } else { Vec::new() };
-        Ok((&confidence.with_simulation(&times)).into())
+        (&confidence.with_simulation(&times)).into()
     }
 
     /// The published comparison, if the cutters are exactly one toroidal and one ball-end cutter and it has an answer.

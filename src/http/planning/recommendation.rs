@@ -2,20 +2,17 @@
 
 use super::answer::RecommendationAnswer;
 use super::library::Libraries;
-use super::memory::{Resources, bytes_of_machined_surface, bytes_to_read};
 use super::parameters::{CUTTERS, ParameterMembers, Parameters};
 use super::plan::Task;
-use super::simulation::on_threads;
+use crate::budget::Job;
 use crate::cancellation::CancelFlag;
-use crate::http::body::{JsonBody, WrittenJson};
 use crate::http::document::described;
+use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::{Problem, Problems};
-use crate::http::reading::{Components, Faulted, ObjectSchema};
-use crate::http::wire::SURFACE;
+use crate::http::reading::{Components, ObjectSchema};
+use crate::http::wire::{MOST_CUTTERS, SURFACE};
 use crate::http::worker_pool::Work;
-use crate::memory_budget::{BudgetExceeded, Reservation};
-use crate::planning::memory::{bytes_of_mesh, bytes_prepared};
-use std::time::Duration;
+use crate::surface::MOST_FACETS;
 use utoipa::openapi::{RefOr, Schema};
 
 described!(RecommendationRequest, describe_request);
@@ -36,76 +33,41 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
     responses((status = 200, description = "The recommendation, with all candidates", body = RecommendationAnswer), Problems),
 )]
 pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    const LONGEST_WAIT: Duration = Work::LONGEST_WAIT_OF_PLAN;
-    let resources = Resources::none(&work, LONGEST_WAIT);
-    let bytes = bytes_to_read(body.json());
-    let first = move |memory, cancelled: &CancelFlag| {
-        let (task, memory) = read(&body, memory, cancelled)?;
+    let json = body.json();
+    let cutters = memchr::memmem::find_iter(json, "diameter_mm").count().min(MOST_CUTTERS);
+    let job = Job::Plan { json: json.len(), facets: likely_facets(json), cutters, threads: work.threads() };
+    work.answer(job, move |cancelled| {
+        let task = read(&body, cancelled)?;
         drop(body);
-        attempt(task, resources.with(memory), cancelled)
-    };
-    match work.run_with_memory(work.budget().open(), bytes, LONGEST_WAIT, first).await?? {
-        Attempt::Answered(answer) => Ok(answer),
-        Attempt::NeedsMemory(task, mut resources, bytes) => {
-            let memory = std::mem::replace(&mut resources.memory, work.budget().open());
-            let again = move |mut memory: Reservation, cancelled: &CancelFlag| {
-                memory.begin_work();
-                answer_to(*task, resources.with(memory), cancelled)
-            };
-            work.run_with_memory(memory, bytes, LONGEST_WAIT, again).await?
-        }
-    }
+        answer_to(task, cancelled)
+    })
+    .await
 }
 
-/// The result of an attempt that does not wait for memory.
-enum Attempt {
-    Answered(WrittenJson),
-    /// The recommendation needs this many bytes more than were free.
-    NeedsMemory(Box<Task>, Resources, u64),
+/// The number of facets of the surface in a body, before it is read: one for each 20 bytes, between the shortest
+/// notation and meshes with digits; or two for each cell of the samples of a patch, unless they are written in an
+/// unusual way.
+fn likely_facets(json: &[u8]) -> usize {
+    const NAME: &[u8] = b"\"samples\"";
+    let samples = memchr::memmem::find_iter(json, NAME).map(|place| {
+        let digits = json[place + NAME.len()..].iter().skip_while(|byte| byte.is_ascii_whitespace() || **byte == b':');
+        digits.take(4).take_while(|byte| byte.is_ascii_digit()).fold(0, |number, digit| 10 * number + usize::from(digit - b'0'))
+    });
+    let of_patch = samples.max().map_or(0, |samples| 2 * samples * samples);
+    (json.len() / 20).max(of_patch).min(MOST_FACETS)
 }
 
-/// Computes the answer if the memory for it is free. Otherwise returns the reserved memory, except that of the task.
-/// Only a few tasks may wait at the same time: many could together take so much memory that none gets the rest.
-fn attempt(task: Task, mut resources: Resources, cancelled: &CancelFlag) -> Result<Attempt, Problem> {
-    let (mesh, ranking) = task.size();
-    resources.memory.shrink_to(resources.most(mesh, ranking));
-    let least = resources.least(mesh, ranking);
-    match resources.memory.try_grow(least.saturating_sub(resources.memory.bytes())) {
-        Err(BudgetExceeded::Now) => {
-            let held = (bytes_of_mesh(mesh) + bytes_prepared(mesh.facets)) as u64;
-            resources.memory.shrink_to(held);
-            resources.memory.begin_wait()?;
-            let more = least.saturating_sub(resources.memory.bytes());
-            Ok(Attempt::NeedsMemory(Box::new(task), resources, more))
-        }
-        _ => answer_to(task, resources, cancelled).map(Attempt::Answered),
-    }
-}
-
-/// Reads a body and prepares the facets of the plan. `memory` grows with them.
-fn read(body: &JsonBody, mut memory: Reservation, cancelled: &CancelFlag) -> Result<(Task, Reservation), Problem> {
-    let mut exceeded = None;
-    let task = body.read_until(cancelled, |object, faults| {
+/// Reads a body and prepares the facets of the plan.
+fn read(body: &JsonBody, cancelled: &CancelFlag) -> Result<Task, Problem> {
+    body.read(|object, faults| {
         let parameters = Parameters::read(object, Libraries::default(), faults);
         let surface = object.required(&SURFACE, faults);
-        let (parameters, surface) = (parameters?, surface?);
-        if let Err(error) = memory.grow(bytes_of_machined_surface(&surface.surface.mesh)) {
-            exceeded = Some(error);
-            return Err(Faulted);
-        }
-        Task::new(parameters, surface, &object.path().member(SURFACE.name), faults, &|| cancelled.is_cancelled())
-    });
-    match exceeded {
-        Some(exceeded) => Err(exceeded.into()),
-        None => Ok((task?, memory)),
-    }
+        Task::new(parameters?, surface?, &object.path().member(SURFACE.name), faults, &|| cancelled.is_cancelled())
+    })
 }
 
-/// Computes the recommendation with `resources`, and writes the answer.
-pub(super) fn answer_to(task: Task, mut resources: Resources, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
-    let stop = || cancelled.is_cancelled();
-    let (mesh, ranking) = task.size();
-    resources.provide(mesh, ranking, &stop)?;
-    let answer = on_threads(resources.parallelism.threads, || task.answer(&mut resources, &stop))??;
-    WrittenJson::until(cancelled, &answer)?.holding(resources.memory)
+/// Computes the recommendation, and writes the answer.
+pub(super) fn answer_to(task: Task, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
+    let answer = task.answer(&|| cancelled.is_cancelled())?;
+    WrittenJson::until(cancelled, &answer)
 }

@@ -2,60 +2,40 @@
 //! null for a contact without a value.
 
 use super::array::items;
-use super::{Faulted, Faults, Object, PlainColumns};
+use super::{AnyMember, Faulted, Faults, JsonPath, Object};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonPath, JsonText, PlainJson, PlainValue, Unusual, read_numbers};
+use serde_json::value::RawValue;
+use std::borrow::Cow;
 
-/// The columns that an object may have, by their names.
-pub(crate) type KnownColumns = Vec<(&'static str, ColumnKind)>;
-
-/// The kind of a column's values.
-pub(crate) enum ColumnKind {
-    /// Numbers, which are parsed on all cores when the column is read.
-    Numbers,
-    /// Arrays, each parsed when its row is read.
-    Arrays,
-    /// An object of columns in place of a column of objects.
-    Object(KnownColumns),
-}
-
-/// An object of columns.
+/// An object of columns. The values are parsed when their row is read.
 #[derive(Debug)]
-pub(crate) struct Columns<'a>(pub(super) Vec<(&'static str, Column<'a>)>);
+pub(crate) struct Columns<'a>(Vec<(&'static str, Column<'a>)>);
 
 #[derive(Debug)]
-pub(crate) enum Column<'a> {
-    /// Numbers, NaN for null.
-    Numbers(Vec<f64>),
-    /// The unparsed items of another array.
-    Items(Vec<JsonText<'a>>),
-    Object(Columns<'a>),
+enum Column<'a> {
+    Items(Vec<&'a RawValue>),
+    /// Columns in place of a column of objects, and the objects of their rows.
+    Object(Columns<'a>, Vec<Box<RawValue>>),
 }
 
 /// The name of the first column and its number of rows, with which the others are compared.
-type FirstColumn = Option<(&'static str, usize)>;
+pub(crate) type FirstColumn = Option<(&'static str, usize)>;
 
 impl<'a> Columns<'a> {
-    /// Takes the columns `known` of at most `most` rows from `object`. An item of another type is a fault of its row,
-    /// which is reported when the row is read.
-    pub(crate) fn take(object: &mut Object<'a, '_>, known: &KnownColumns, most: usize, faults: &mut Faults) -> Self {
+    /// Takes the columns of `members`, each of at most `most` rows, from `object`. An item of another type is a fault of
+    /// its row, which is reported when the row is read.
+    pub(crate) fn take(
+        object: &mut Object<'a, '_>,
+        members: impl IntoIterator<Item = &'static dyn AnyMember>,
+        most: usize,
+        faults: &mut Faults,
+    ) -> Self {
         let path = object.path();
-        let take = |(name, kind): &(&'static str, ColumnKind)| {
-            let raw = object.take(name, faults)?;
-            Some((*name, Column::read(raw, kind, most, path.member(name), faults).ok()?))
+        let take = |member: &'static dyn AnyMember| {
+            let raw = object.take(member.name(), faults)?;
+            Some((member.name(), Column::read(raw, member, most, path.member(member.name()), faults).ok()?))
         };
-        Self(known.iter().filter_map(take).collect())
-    }
-
-    /// The same for columns whose syntax has not been checked. `None` if there are others than columns of numbers.
-    pub(crate) fn of_plain(mut given: PlainColumns<'_>, known: &KnownColumns, most: usize) -> Option<Self> {
-        let mut columns = Vec::new();
-        for (name, _) in known.iter().filter(|(_, kind)| matches!(kind, ColumnKind::Numbers)) {
-            if let Some(items) = given.take(name) {
-                columns.push((*name, Column::Numbers(read_numbers(items, most)?)));
-            }
-        }
-        given.is_empty().then_some(Self(columns))
+        Self(members.into_iter().filter_map(take).collect())
     }
 
     /// Compares the number of rows of all columns of the object at `path`.
@@ -63,9 +43,8 @@ impl<'a> Columns<'a> {
         for (name, column) in &self.0 {
             let path = path.member(name);
             let count = match column {
-                Column::Numbers(numbers) => numbers.len(),
                 Column::Items(items) => items.len(),
-                Column::Object(columns) => {
+                Column::Object(columns, _) => {
                     columns.check_rows(first, &path, faults);
                     continue;
                 }
@@ -78,41 +57,54 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// A row as the JSON text of an object, whether its values are valid or not.
-    pub(crate) fn text(&self, index: usize) -> String {
-        let members = self.0.iter().filter_map(|(name, column)| Some(format!("{name:?}:{}", column.text(index)?)));
-        format!("{{{}}}", members.collect::<Vec<_>>().join(","))
+    /// A row as an object.
+    pub(crate) fn row<'r, 'p>(&'r self, index: usize, path: JsonPath<'p>) -> Object<'r, 'p> {
+        let members = self.0.iter().filter_map(|(name, column)| Some((Cow::Borrowed(*name), column.value(index)?)));
+        Object::of_members(members.collect(), path)
+    }
+
+    /// The rows as JSON objects, whether their values are valid or not.
+    fn objects(&self) -> Vec<Box<RawValue>> {
+        let count = self.0.iter().map(|(_, column)| column.count()).max().unwrap_or(0);
+        let object = |index| {
+            let members = self.0.iter().filter_map(|(name, column)| Some(format!("{name:?}:{}", column.value(index)?)));
+            let text = format!("{{{}}}", members.collect::<Vec<_>>().join(","));
+            RawValue::from_string(text).unwrap_or_else(|error| unreachable!("a row of values is an object: {error}"))
+        };
+        (0..count).map(object).collect()
     }
 }
 
 impl<'a> Column<'a> {
-    fn read(raw: JsonText<'a>, kind: &ColumnKind, most: usize, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {
-        if let ColumnKind::Object(known) = kind {
-            let read = |object: &mut Object<'a, '_>, faults: &mut Faults| Ok(Self::Object(Columns::take(object, known, most, faults)));
-            return Object::open(raw, path, faults)?.read(faults, read);
-        }
-        let inside = raw.get().strip_prefix('[').and_then(|items| items.strip_suffix(']'));
-        match inside.filter(|_| matches!(kind, ColumnKind::Numbers)).and_then(|items| read_numbers(items.as_bytes(), most)) {
-            Some(numbers) => Ok(Self::Numbers(numbers)),
-            None => items(raw, "an array with an item for each contact", most, path, faults).map(Self::Items),
-        }
+    fn read(
+        raw: &'a RawValue,
+        member: &'static dyn AnyMember,
+        most: usize,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+    ) -> Result<Self, Faulted> {
+        let Some(members) = member.columns() else {
+            return items(raw, "an array with an item for each contact", most, path, faults).map(Self::Items);
+        };
+        Object::open(raw, path, faults)?.read(faults, |object, faults| {
+            let columns = Columns::take(object, members, most, faults);
+            let objects = columns.objects();
+            Ok(Self::Object(columns, objects))
+        })
     }
 
-    /// The JSON text of the value of a row, if it has one.
-    fn text(&self, index: usize) -> Option<String> {
+    fn count(&self) -> usize {
         match self {
-            Self::Numbers(numbers) => {
-                numbers.get(index).filter(|number| !number.is_nan()).and_then(|number| serde_json::to_string(number).ok())
-            }
-            Self::Items(items) => items.get(index).map(|item| item.get()).filter(|item| *item != "null").map(str::to_owned),
-            Self::Object(columns) => Some(columns.text(index)).filter(|object| object != "{}"),
+            Self::Items(items) => items.len(),
+            Self::Object(_, objects) => objects.len(),
         }
     }
 
-    /// The value of a row of unparsed items.
-    pub(super) fn item<P: PlainValue>(&self, index: usize) -> Result<Option<P>, Unusual> {
-        let Self::Items(items) = self else { return Err(Unusual) };
-        let mut json = PlainJson::new(items.get(index).ok_or(Unusual)?.get().as_bytes());
-        if json.takes_null() { Ok(None) } else { P::read(&mut json).map(Some) }
+    /// The value of a row, if it has one.
+    fn value(&self, index: usize) -> Option<&RawValue> {
+        match self {
+            Self::Items(items) => items.get(index).copied().filter(|item| item.get() != "null"),
+            Self::Object(_, objects) => objects.get(index).map(|object| &**object).filter(|object| object.get() != "{}"),
+        }
     }
 }

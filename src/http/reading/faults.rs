@@ -1,10 +1,10 @@
 //! The faults of a request, each with its code and location.
 
-use crate::cancellation::CancelFlag;
+use super::{JsonPath, not_finite};
 use crate::http::codes::{FaultCode, NoAnswerCode, ProblemFigure, RequestFault};
-use crate::json_text::{JsonPath, JsonText, not_finite};
 use crate::milling::NoAnswer;
 use serde::Serialize;
+use serde_json::value::RawValue;
 use std::borrow::Cow;
 use std::fmt;
 use utoipa::ToSchema;
@@ -46,13 +46,11 @@ pub(crate) struct Faults {
     listed: Vec<Fault>,
     unlisted: usize,
     left_out: usize,
-    /// Stops the reading when it is set.
-    cancel: CancelFlag,
 }
 
 impl Default for Faults {
     fn default() -> Self {
-        Self::until(&CancelFlag::default())
+        Self::at_most(Self::MOST_LISTED)
     }
 }
 
@@ -60,24 +58,9 @@ impl Faults {
     /// The largest number of listed faults; further ones are counted. A request can have a fault every few bytes.
     const MOST_LISTED: usize = 1000;
 
-    /// An empty list for a body whose reading stops when `cancel` is set.
-    pub(crate) fn until(cancel: &CancelFlag) -> Self {
-        Self::at_most(Self::MOST_LISTED, cancel)
-    }
-
-    /// The same, with another largest number of listed faults.
-    pub(crate) fn at_most(most_listed: usize, cancel: &CancelFlag) -> Self {
-        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, cancel: cancel.clone() }
-    }
-
-    /// The flag that stops the reading.
-    pub(crate) fn cancel_flag(&self) -> &CancelFlag {
-        &self.cancel
-    }
-
-    /// Whether the reading has been cancelled.
-    pub(crate) fn is_cancelled(&self) -> bool {
-        self.cancel.is_cancelled()
+    /// An empty list that will hold this many faults; further ones are counted.
+    pub(crate) fn at_most(most_listed: usize) -> Self {
+        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0 }
     }
 
     /// Records a fault and returns the proof of it.
@@ -102,8 +85,7 @@ impl Faults {
 
     /// Takes all faults out of the list.
     pub(crate) fn take(&mut self) -> Self {
-        let empty = Self::at_most(self.most_listed, &self.cancel);
-        std::mem::replace(self, empty)
+        std::mem::replace(self, Self::at_most(self.most_listed))
     }
 
     /// Counts faults that the caller leaves out of the list. Only the total includes them.
@@ -142,7 +124,7 @@ impl Faults {
 }
 
 /// Describes a JSON value for the detail of a fault.
-pub(crate) fn describe(raw: JsonText<'_>) -> Cow<'static, str> {
+pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
     const SHOWN: usize = 40;
     let text = raw.get();
     if let Some(token) = not_finite::token(text) {

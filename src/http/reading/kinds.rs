@@ -1,12 +1,13 @@
 //! The kinds of values that members take: quantities, whole numbers, vectors and words.
 
-use super::array::items;
+use super::array::each_raw;
 use super::components::description;
-use super::{Components, Faulted, Faults, Kind, PlainKind, describe};
+use super::{Components, Faulted, Faults, JsonPath, Kind, describe, not_finite};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonPath, JsonText, not_finite};
 use crate::milling::Contact;
 use crate::quantity::{Angle, Length, OutOfRange};
+use serde::Deserialize;
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -26,7 +27,7 @@ impl<T> Quantity<T> {
         Self { of, example, minimum: None, hint: "" }
     }
 
-    /// The same quantity, which also accepts numbers from `minimum` up to the quantity's own bound. `hint` explains
+    /// A quantity that also accepts numbers from `minimum` up to the quantity's own bound. `hint` explains
     /// them.
     pub(crate) const fn down_to(self, minimum: f64, hint: &'static str) -> Self {
         Self { minimum: Some(minimum), hint, ..self }
@@ -50,7 +51,7 @@ impl Quantity<Angle> {
 impl<T> Kind for Quantity<T> {
     type Value = T;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
         let hint = self.hint;
         (self.of)(number(raw, path, faults)?)
             .map_err(|bounds| faults.add(&path, RequestFault::OutOfRange, format_args!("{bounds}, found {}{hint}", describe(raw))))
@@ -65,14 +66,6 @@ impl<T> Kind for Quantity<T> {
     }
 }
 
-impl<T> PlainKind for Quantity<T> {
-    type Plain = f64;
-
-    fn accept(&self, plain: f64) -> Option<T> {
-        (self.of)(plain).ok()
-    }
-}
-
 /// A whole number within bounds.
 pub(crate) struct Whole {
     pub(crate) minimum: u32,
@@ -83,7 +76,7 @@ pub(crate) struct Whole {
 impl Kind for Whole {
     type Value = u32;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<u32, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<u32, Faulted> {
         let value = number(raw, path, faults)?;
         let checked = OutOfRange::check(value, self.minimum.into(), self.maximum.into());
         let value =
@@ -107,20 +100,12 @@ pub(crate) struct Number;
 impl Kind for Number {
     type Value = f64;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
         number(raw, path, faults)
     }
 
     fn schema(&self, _: &str, _: &mut Components) -> RefOr<Schema> {
         ObjectBuilder::new().schema_type(Type::Number).into()
-    }
-}
-
-impl PlainKind for Number {
-    type Plain = f64;
-
-    fn accept(&self, plain: f64) -> Option<f64> {
-        Some(plain)
     }
 }
 
@@ -139,12 +124,16 @@ pub(crate) type Pair = Tuple<Quantity<f64>, 2>;
 impl<K: Kind<Value = f64>, const N: usize> Kind for Tuple<K, N> {
     type Value = [f64; N];
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; N], Faulted> {
-        const MOST_COUNTED: usize = 16;
-        let items = items(raw, "an array", MOST_COUNTED, path, faults)?;
-        if items.len() != N {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; N], Faulted> {
+        let mut items = [raw; N];
+        let count = each_raw(raw, "an array", path, faults, |index, item, _| {
+            if let Some(place) = items.get_mut(index) {
+                *place = item;
+            }
+        })?;
+        if count != N {
             let expected = if N == 2 { "two" } else { "three" };
-            let detail = format_args!("expected {expected} numbers, found {} items", items.len());
+            let detail = format_args!("expected {expected} numbers, found {count} items");
             return Err(faults.add(&path, RequestFault::WrongType, detail));
         }
         // Every item is read, so that all faults are listed.
@@ -159,14 +148,6 @@ impl<K: Kind<Value = f64>, const N: usize> Kind for Tuple<K, N> {
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
         let schema = ArrayBuilder::new().items(self.of.schema("", components)).min_items(Some(N)).max_items(Some(N));
         schema.description(description(about)).examples([serde_json::json!(self.example.as_slice())]).into()
-    }
-}
-
-impl<K: PlainKind<Value = f64, Plain = f64>, const N: usize> PlainKind for Tuple<K, N> {
-    type Plain = [f64; N];
-
-    fn accept(&self, plain: [f64; N]) -> Option<[f64; N]> {
-        plain.iter().all(|number| self.of.accept(*number).is_some()).then_some(plain)
     }
 }
 
@@ -196,7 +177,7 @@ impl<T> Choice<T> {
 impl<T: Copy> Kind for Choice<T> {
     type Value = T;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
         let word = text(raw, path, faults)?;
         let known = self.words.iter().find(|(known, _)| *known == word);
         known.map(|(_, value)| *value).ok_or_else(|| {
@@ -215,7 +196,7 @@ impl<T: Copy> Kind for Choice<T> {
 }
 
 /// Reads a finite number. One too large for double precision, such as 1e999, is out of range, not infinite.
-pub(crate) fn number(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
+pub(crate) fn number(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
     let text = raw.get();
     if let Some(token) = not_finite::token(text) {
         return Err(faults.add(&path, RequestFault::NotFinite, format_args!("the number must be finite, found {token}")));
@@ -230,7 +211,9 @@ pub(crate) fn number(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults)
 }
 
 /// Reads a string.
-pub(crate) fn text(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
-    raw.string(&|| faults.is_cancelled())
-        .ok_or_else(|| faults.add(&path, RequestFault::WrongType, format_args!("expected a string, found {}", describe(raw))))
+pub(crate) fn text(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
+    match String::deserialize(raw) {
+        Ok(text) if not_finite::token(raw.get()).is_none() => Ok(text),
+        _ => Err(faults.add(&path, RequestFault::WrongType, format_args!("expected a string, found {}", describe(raw)))),
+    }
 }

@@ -2,9 +2,9 @@
 
 use super::array::items;
 use super::components::description;
-use super::{Components, Faulted, Faults, Kind};
+use super::{Components, Faulted, Faults, JsonPath, Kind};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonPath, JsonText};
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::ArrayBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -20,14 +20,14 @@ pub(crate) struct List<K> {
 impl<K: Kind> Kind for List<K> {
     type Value = Vec<K::Value>;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let items = items(raw, "an array", self.most, path, faults)?;
         if items.len() < self.fewest {
             let detail = format_args!("must have at least {} items, found {}", self.fewest, items.len());
             return Err(faults.add(&path, RequestFault::WrongCount, detail));
         }
         // Every item is read, so that all faults are listed.
-        let values: Vec<_> = items.iter().enumerate().map(|(index, raw)| self.item.read(*raw, path.item(index), faults)).collect();
+        let values: Vec<_> = items.iter().enumerate().map(|(index, raw)| self.item.read(raw, path.item(index), faults)).collect();
         values.into_iter().collect()
     }
 

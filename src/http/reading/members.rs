@@ -1,25 +1,25 @@
-//! The macro `members!`, which declares the members of an object and generates its reader, its schema and the fast path
-//! of batches.
+//! The macro `members!`, which declares the members of an object and generates its reader and its schema.
 
-use super::{Faulted, Faults, Object, ObjectSchema};
+use super::{Declared, Faulted, Faults, Object, ObjectSchema};
 use crate::http::codes::RequestFault;
 
 /// The members of an object. Each field is the value, or the proof that its fault is recorded.
 pub(crate) trait Members: Sized {
-    /// The names on the wire.
-    const NAMES: &'static [&'static str];
+    /// The members in their order.
+    const DECLARED: &'static [Declared];
 
     /// Reads the members from `object`, which may have others.
     fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Self;
 
-    /// Reads the members that are present, to record their faults.
-    fn check(object: &mut Object<'_, '_>, faults: &mut Faults);
+    /// The names on the wire.
+    fn names() -> impl Iterator<Item = &'static str> {
+        Self::DECLARED.iter().map(|declared| declared.member.name())
+    }
 
     /// Adds the members to a schema.
-    fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_>;
-
-    /// Adds the members to a schema in which they are one of several forms, so that none is required.
-    fn describe_form(schema: ObjectSchema<'_>) -> ObjectSchema<'_>;
+    fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
+        schema.with_members(Self::DECLARED)
+    }
 }
 
 /// An object in one of two forms.
@@ -31,7 +31,7 @@ pub(crate) enum Form<A, B> {
 impl Object<'_, '_> {
     /// Whether one of the members `M` is present and not taken yet.
     pub(crate) fn has_any_of<M: Members>(&self) -> bool {
-        M::NAMES.iter().any(|name| self.has(name))
+        M::names().any(|name| self.has(name))
     }
 
     /// Reads the members of one of two forms of an object. `forms` is the text of the fault if none or both are
@@ -42,13 +42,12 @@ impl Object<'_, '_> {
             (false, true) => Ok(Form::Second(B::read(self, faults))),
             (true, true) => {
                 // Both forms are read, so that all their faults are listed.
-                A::check(self, faults);
-                B::check(self, faults);
+                A::DECLARED.iter().chain(B::DECLARED).for_each(|declared| self.check(declared.member, faults));
                 Err(faults.add(&self.path(), RequestFault::ConflictingFields, format_args!("{forms}, not both")))
             }
             (false, false) => {
                 // Faults of unknown members list both forms.
-                self.known.extend(A::NAMES.iter().chain(B::NAMES));
+                self.known.extend(A::names().chain(B::names()));
                 Err(faults.add(&self.path(), RequestFault::MissingField, forms))
             }
         }
@@ -63,7 +62,7 @@ impl ObjectSchema<'_> {
 
     /// Adds the members `M`, none of them required: one form of several.
     pub(crate) fn with_form<M: Members>(self) -> Self {
-        M::describe_form(self)
+        M::DECLARED.iter().fold(self, |schema, declared| schema.member(declared.member, false))
     }
 }
 
@@ -79,9 +78,8 @@ pub(crate) fn at_most_one<T>(one: Result<Option<T>, Faulted>, other: Result<Opti
 /// Declares members and their struct:
 /// `members! { struct Name { field: required MEMBER: Kind = ("name", kind, "what it is"), ... } }`. A member that several
 /// structs share is declared in one of them.
-/// - `struct Name for Object ("Schema", "description") -> Value` also declares the kind of an object with these members.
-///   `Name::build` makes its value of them; all members of this kind share its schema.
-/// - `plain struct Name / Slots` also declares the values in one pass, for members of contacts in batches.
+/// `struct Name for Object ("Schema", "description") -> Value` also declares the kind of an object with these members.
+/// `Name::build` makes its value of them; all members of this kind share its schema.
 macro_rules! members {
     ($(#[$doc:meta])* $vis:vis struct $name:ident $(for $object:ident ($schema:literal, $about_object:literal) -> $value:ty)? {
         $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )*
@@ -98,27 +96,16 @@ macro_rules! members {
         }
 
         const _: () = {
-            use $crate::http::reading::{Faults, Members, Object, ObjectSchema};
+            use $crate::http::reading::{Declared, Faults, Members, Object};
 
             impl Members for $name {
-                const NAMES: &'static [&'static str] = &[$( $member.name ),*];
+                const DECLARED: &'static [Declared] = &[$(
+                    Declared { member: &$member, is_required: $crate::http::reading::members!(@is_required $presence) },
+                )*];
 
                 #[allow(unused_variables, reason = "a struct may have no members")]
                 fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Self {
                     Self { $( $field: object.$presence(&$member, faults), )* }
-                }
-
-                #[allow(unused_variables, reason = "a struct may have no members")]
-                fn check(object: &mut Object<'_, '_>, faults: &mut Faults) {
-                    $( let _ = object.optional(&$member, faults); )*
-                }
-
-                fn describe(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
-                    schema$( .$presence(&$member) )*
-                }
-
-                fn describe_form(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
-                    schema$( .optional(&$member) )*
                 }
             }
         };
@@ -128,13 +115,13 @@ macro_rules! members {
             $vis struct $object;
 
             const _: () = {
-                use $crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object};
-                use $crate::json_text::{JsonPath, JsonText};
+                use $crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, Object};
+                use serde_json::value::RawValue;
 
                 impl Kind for $object {
                     type Value = $value;
 
-                    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<$value, Faulted> {
+                    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<$value, Faulted> {
                         Object::open(raw, path, faults)?.read(faults, |object, faults| $name::read(object, faults).build(&path, faults))
                     }
 
@@ -145,64 +132,9 @@ macro_rules! members {
             };
         )?
     };
-    ($(#[$doc:meta])* $vis:vis plain struct $name:ident / $slots:ident {
-        $( $field:ident: $presence:ident $member:ident: $kind:ty $(= ($wire:literal, $of_kind:expr, $about:literal))?, )+
-    }) => {
-        $crate::http::reading::members! {
-            $(#[$doc])* $vis struct $name { $( $field: $presence $member: $kind $(= ($wire, $of_kind, $about))?, )+ }
-        }
-
-        #[doc = concat!("The values of [`", stringify!($name), "`] in one pass.")]
-        #[derive(Debug, Clone, Copy, Default, PartialEq)]
-        $vis struct $slots {
-            $( $field: Option<<$kind as $crate::http::reading::PlainKind>::Plain>, )+
-        }
-
-        const _: () = {
-            use $crate::http::reading::{CellValue, KnownColumns, ObjectSchema, ValueSource, PlainKind, Slots};
-            use $crate::json_text::Unusual;
-
-            impl $slots {
-                /// The members; `None` if a required one is missing or a value is out of bounds.
-                $vis fn accept(self) -> Option<$name> {
-                    Some($name { $( $field: $crate::http::reading::members!(@accept $presence $member self.$field), )+ })
-                }
-            }
-
-            impl Slots for $slots {
-                #[inline]
-                fn fill(&mut self, name: &str, source: &mut impl ValueSource) -> Result<bool, Unusual> {
-                    $(
-                        if name == $member.name {
-                            let value = source.value()?;
-                            let is_repeated = value.is_some() && self.$field.is_some();
-                            self.$field = value.or(self.$field);
-                            return if is_repeated { Err(Unusual) } else { Ok(true) };
-                        }
-                    )+
-                    Ok(false)
-                }
-
-                fn columns() -> KnownColumns {
-                    vec![$( ($member.name, <$kind as PlainKind>::Plain::column_kind()) ),+]
-                }
-
-                fn describe_columns(schema: ObjectSchema<'_>, most: usize) -> ObjectSchema<'_> {
-                    schema$( .column(&$member, most) )+
-                }
-            }
-        };
-    };
     (@value required $kind:ty) => { <$kind as $crate::http::reading::Kind>::Value };
     (@value optional $kind:ty) => { Option<<$kind as $crate::http::reading::Kind>::Value> };
-    (@accept required $member:ident $slot:expr) => {
-        Ok($crate::http::reading::PlainKind::accept(&$member.kind, $slot?)?)
-    };
-    (@accept optional $member:ident $slot:expr) => {
-        Ok(match $slot {
-            Some(plain) => Some($crate::http::reading::PlainKind::accept(&$member.kind, plain)?),
-            None => None,
-        })
-    };
+    (@is_required required) => { true };
+    (@is_required optional) => { false };
 }
 pub(crate) use members;

@@ -1,42 +1,46 @@
 //! The reader of JSON objects. Callers take the members one by one; all faults are recorded.
 
-use super::{Faulted, Faults, Kind, Member, describe};
+use super::{AnyMember, Faulted, Faults, JsonPath, Kind, Member, describe};
 use crate::http::codes::RequestFault;
-use crate::json_text::{JsonError, JsonMembers, JsonPath, JsonText, Unread};
+use crate::json::JsonError;
+use serde::Deserialize;
+use serde::de::{Deserializer, IgnoredAny, MapAccess, Visitor};
+use serde_json::value::RawValue;
 use std::borrow::Cow;
+use std::fmt;
 
 /// A JSON object whose members are taken one by one. The members left at the end are unknown fields.
 pub(crate) struct Object<'a, 'p> {
     path: JsonPath<'p>,
-    members: Vec<(Cow<'a, str>, JsonText<'a>)>,
+    members: Vec<(Cow<'a, str>, &'a RawValue)>,
     unkept: usize,
     pub(super) known: Vec<&'static str>,
 }
 
 impl<'a, 'p> Object<'a, 'p> {
     /// Opens `raw`, which is at `path`, as an object.
-    pub(crate) fn open(raw: JsonText<'a>, path: JsonPath<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
-        let members = raw.members(MOST_MEMBERS, &|| faults.is_cancelled());
-        Self::of(raw, members, path, faults)
-    }
-
-    fn of(raw: JsonText<'a>, members: Result<JsonMembers<'a>, Unread>, path: JsonPath<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
-        match members {
-            Ok(JsonMembers { kept, unkept }) => Ok(Self { path, members: kept, unkept, known: Vec::with_capacity(12) }),
-            Err(Unread::Name(error)) => Err(faults.add(&path, RequestFault::Unreadable, error)),
-            // The faults of a cancelled reading are discarded.
-            Err(Unread::Cancelled) => Err(Faulted),
-            Err(Unread::OtherType) => {
-                Err(faults.add(&path, RequestFault::WrongType, format_args!("expected an object, found {}", describe(raw))))
-            }
+    pub(crate) fn open(raw: &'a RawValue, path: JsonPath<'p>, faults: &mut Faults) -> Result<Self, Faulted> {
+        match raw.deserialize_map(MembersVisitor) {
+            Ok(RawMembers { kept, unkept }) => Ok(Self { unkept, ..Self::of_members(kept, path) }),
+            // The syntax has been checked, so a name is not valid text.
+            Err(error) if raw.get().starts_with('{') => Err(faults.add(&path, RequestFault::Unreadable, JsonError::from(&error))),
+            Err(_) => Err(faults.add(&path, RequestFault::WrongType, format_args!("expected an object, found {}", describe(raw)))),
         }
     }
 
     /// Opens a whole body as an object. The outer error means that the body is not JSON.
     pub(crate) fn open_body(json: &'a [u8], faults: &mut Faults) -> Result<Result<Self, Faulted>, JsonError> {
         // Reading the members checks the syntax of the whole body.
-        let (body, members) = JsonText::check_object(json, MOST_MEMBERS, &|| faults.is_cancelled())?;
-        Ok(Self::of(body, members, JsonPath::Root, faults))
+        if let Ok(RawMembers { kept, unkept }) = serde_json::from_slice(json) {
+            return Ok(Ok(Self { unkept, ..Self::of_members(kept, JsonPath::Root) }));
+        }
+        let raw: &RawValue = serde_json::from_slice(json).map_err(|error| JsonError::from(&error))?;
+        Ok(Self::open(raw, JsonPath::Root, faults))
+    }
+
+    /// The object of these members.
+    pub(super) fn of_members(members: Vec<(Cow<'a, str>, &'a RawValue)>, path: JsonPath<'p>) -> Self {
+        Self { path, members, unkept: 0, known: Vec::with_capacity(12) }
     }
 
     /// The path to the object.
@@ -50,7 +54,7 @@ impl<'a, 'p> Object<'a, 'p> {
     }
 
     /// Takes the member `name` unparsed. A repeated name is a fault.
-    pub(crate) fn take(&mut self, name: &'static str, faults: &mut Faults) -> Option<JsonText<'a>> {
+    pub(crate) fn take(&mut self, name: &'static str, faults: &mut Faults) -> Option<&'a RawValue> {
         self.known.push(name);
         let found = self.members.iter().position(|(key, _)| key == name).map(|index| self.members.remove(index).1);
         while let Some(again) = self.members.iter().position(|(key, _)| key == name) {
@@ -61,7 +65,7 @@ impl<'a, 'p> Object<'a, 'p> {
     }
 
     /// Takes a required member unparsed.
-    pub(crate) fn required_raw<K>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<JsonText<'a>, Faulted> {
+    pub(crate) fn required_raw<K>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<&'a RawValue, Faulted> {
         self.take(member.name, faults).ok_or_else(|| {
             let detail = format_args!("the field is missing: {}", member.about);
             faults.add(&self.path.member(member.name), RequestFault::MissingField, detail)
@@ -80,6 +84,13 @@ impl<'a, 'p> Object<'a, 'p> {
             return Ok(None);
         };
         member.kind.read(raw, self.path.member(member.name), faults).map(Some)
+    }
+
+    /// Takes a member to record its faults.
+    pub(super) fn check(&mut self, member: &dyn AnyMember, faults: &mut Faults) {
+        if let Some(raw) = self.take(member.name(), faults) {
+            member.check(raw, self.path.member(member.name()), faults);
+        }
     }
 
     /// Reads the whole object with `read`; members that `read` does not take are faults.
@@ -113,6 +124,46 @@ impl<'a, 'p> Object<'a, 'p> {
     }
 }
 
+/// The members of an object in the order sent, each with its name and its unparsed value.
+struct RawMembers<'a> {
+    /// The first members.
+    kept: Vec<(Cow<'a, str>, &'a RawValue)>,
+    /// The number of members beyond those that are kept.
+    unkept: usize,
+}
+
+impl<'de> Deserialize<'de> for RawMembers<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(MembersVisitor)
+    }
+}
+
+struct MembersVisitor;
+
+impl<'de> Visitor<'de> for MembersVisitor {
+    type Value = RawMembers<'de>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RawMembers<'de>, A::Error> {
+        /// A name, borrowed unless it is written with escapes.
+        #[derive(Deserialize)]
+        struct Name<'a>(#[serde(borrow)] Cow<'a, str>);
+
+        let mut members = RawMembers { kept: Vec::with_capacity(8), unkept: 0 };
+        while members.kept.len() < MOST_MEMBERS {
+            let Some((Name(name), value)) = map.next_entry()? else { return Ok(members) };
+            members.kept.push((name, value));
+        }
+        while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {
+            members.unkept += 1;
+        }
+        Ok(members)
+    }
+}
+
 /// The largest number of members stored, more than ten times that of any object. Further ones are counted, so that the
 /// memory of a body does not exceed its length.
 const MOST_MEMBERS: usize = 256;
@@ -128,7 +179,7 @@ mod tests {
     #[test]
     fn members_beyond_the_limit_are_counted_not_kept() {
         let body = format!("{{{}}}", (0..1000).map(|index| format!("\"m{index}\":{index}")).collect::<Vec<_>>().join(","));
-        let raw = JsonText::known(&body);
+        let raw = serde_json::from_str(&body).unwrap();
         let mut faults = Faults::default();
         let object = Object::open(raw, JsonPath::Root, &mut faults).unwrap();
         assert_eq!(object.members.len(), MOST_MEMBERS);

@@ -1,6 +1,6 @@
 //! Schemas of request objects, built from the declarations of their members.
 
-use super::{Components, Kind, Member};
+use super::{AnyMember, Components, Declared, Kind, Member};
 use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -24,7 +24,7 @@ pub(crate) type AddMembers<'f> = &'f dyn Fn(ObjectSchema<'_>) -> ObjectSchema<'_
 /// The schema of an object that allows only its own members.
 pub(crate) struct ObjectSchema<'c> {
     builder: ObjectBuilder,
-    pub(super) components: &'c mut Components,
+    components: &'c mut Components,
 }
 
 impl<'c> ObjectSchema<'c> {
@@ -34,15 +34,19 @@ impl<'c> ObjectSchema<'c> {
     }
 
     /// Adds a required member.
-    pub(crate) fn required<K: Kind>(self, member: &Member<K>) -> Self {
-        let Self { builder, components } = self.optional(member);
-        Self { builder: builder.required(member.name), components }
+    pub(crate) fn required<K: Kind + Sync>(self, member: &Member<K>) -> Self {
+        self.member(member, true)
     }
 
     /// Adds a member that may be absent.
-    pub(crate) fn optional<K: Kind>(self, member: &Member<K>) -> Self {
-        let schema = member.kind.schema(member.about, self.components);
-        self.property(member.name, schema)
+    pub(crate) fn optional<K: Kind + Sync>(self, member: &Member<K>) -> Self {
+        self.member(member, false)
+    }
+
+    /// Adds a member.
+    pub(super) fn member(self, member: &dyn AnyMember, is_required: bool) -> Self {
+        let schema = member.schema(self.components);
+        if is_required { self.required_property(member.name(), schema) } else { self.property(member.name(), schema) }
     }
 
     /// Adds a member of the schema `schema` that may be absent.
@@ -54,6 +58,19 @@ impl<'c> ObjectSchema<'c> {
     pub(crate) fn required_property(self, name: &str, schema: impl Into<RefOr<Schema>>) -> Self {
         let Self { builder, components } = self.property(name, schema);
         Self { builder: builder.required(name), components }
+    }
+
+    /// Adds members.
+    pub(crate) fn with_members<'m>(self, members: impl IntoIterator<Item = &'m Declared>) -> Self {
+        members.into_iter().fold(self, |schema, declared| schema.member(declared.member, declared.is_required))
+    }
+
+    /// Adds columns of at most `most` values of members. None is required.
+    pub(crate) fn with_columns(self, members: impl IntoIterator<Item = &'static dyn AnyMember>, most: usize) -> Self {
+        members.into_iter().fold(self, |schema, member| {
+            let column = member.column_schema(most, schema.components);
+            schema.property(member.name(), column)
+        })
     }
 
     pub(crate) fn build(self) -> RefOr<Schema> {

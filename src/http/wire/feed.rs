@@ -5,7 +5,7 @@ use crate::quantity::{Length, OutOfRange};
 
 members! {
     /// The feed per tooth.
-    pub(super) plain struct FeedMembers / FeedSlots {
+    pub(super) struct FeedMembers {
         feed_per_tooth: optional FEED_PER_TOOTH: Quantity<Feed> = ("feed_per_tooth_mm", Quantity::new(Feed::from_mm, 0.3).down_to(0.0, "; or 0 for no tooth marks"),
             "feed per tooth f_z, at least 1e-6; 0 or absent = no tooth marks"),
     }

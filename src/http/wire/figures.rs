@@ -1,7 +1,7 @@
 //! The figures of the calculations' answers. A table has a row for each, with name, description and getter; single
 //! answers, columns of batches and their schemas are built from it.
 
-use super::check::Check;
+use super::envelope_check::Check;
 use crate::http::reading::Components;
 use crate::milling::{Contact, EvaluatedPass, NoAnswer, ScallopHeight};
 use crate::quantity::Length;
@@ -185,17 +185,17 @@ impl Figure {
         Self::new(name, about, Get::Number(get))
     }
 
-    /// The same figure, taken from `heights`.
+    /// Takes the figure from `heights`.
     const fn from(self, heights: Heights) -> Self {
         Self { heights, ..self }
     }
 
-    /// The same figure, which may be null in a single answer.
+    /// Lets the figure be null in a single answer.
     const fn or_null(self, place: &'static str) -> Self {
         Self { presence: Presence::Null(place), ..self }
     }
 
-    /// The same figure, which may be absent from a single answer and whose column may be absent.
+    /// Lets the figure be absent from a single answer, and its column from a batch's.
     pub(crate) const fn only(self, place: &'static str) -> Self {
         Self { presence: Presence::Only(place), ..self }
     }

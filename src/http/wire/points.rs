@@ -2,50 +2,25 @@
 //! a JSON tree.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, Kind, describe, each_raw, number};
-use crate::json_text::{JsonPath, JsonText, read_triples};
-use crate::surface::{LARGEST_COORDINATE, PartedSink, ReceivedPart, ReceivedSurface, Sink};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, describe, each_raw, number};
+use crate::json::each;
+use crate::surface::LARGEST_COORDINATE;
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// Passes every point of the array `raw` to `take` in order. `take` may have been called before a fault is found.
-pub(super) fn each_point(
-    raw: JsonText<'_>,
-    path: JsonPath<'_>,
-    faults: &mut Faults,
-    mut take: impl FnMut([f64; 3]),
-) -> Result<(), Faulted> {
-    let read = each_part(raw.get(), faults, |points| points, |points| points.into_iter().for_each(&mut take));
-    read.map_or_else(|| find_faults(raw, path, faults), Ok)
-}
-
-/// Adds every point of the array `json` to `surface`, in parts that all cores sum. `json` must be a part of the text of
-/// a JSON value. `None` if it is not an array of points; some points may have been added then.
-pub(super) fn receive_points(json: &str, faults: &Faults, surface: &mut ReceivedSurface) -> Option<()> {
-    let part = |points: Vec<[f64; 3]>| {
-        let mut part = ReceivedPart::default();
-        for point in points {
-            part.point(point);
-        }
-        part
-    };
-    each_part(json, faults, part, |part| surface.append(part))
-}
-
-/// Passes the points of the array `json` in blocks to `part`, on all cores, and the results in order to `take`. `None`
-/// if it is not an array of points.
-fn each_part<T: Send>(json: &str, faults: &Faults, part: impl Fn(Vec<[f64; 3]>) -> T + Sync, mut take: impl FnMut(T)) -> Option<()> {
+pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults, mut take: impl FnMut([f64; 3])) -> Result<(), Faulted> {
     let mut are_in_bounds = true;
-    let checked = |points: Vec<[f64; 3]>| (points.iter().flatten().copied().all(is_in_bounds), part(points));
-    let read = read_triples(json, faults.cancel_flag(), checked, |(is_fine, part)| {
-        are_in_bounds &= is_fine;
-        take(part);
+    let read = each(raw, |point: [f64; 3]| {
+        are_in_bounds &= point.into_iter().all(is_in_bounds);
+        take(point);
     });
-    read.filter(|()| are_in_bounds)
+    if read.is_ok() && are_in_bounds { Ok(()) } else { find_faults(raw, path, faults) }
 }
 
 /// Finds all faults of an array of points that is known to have one.
-pub(super) fn find_faults(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
+fn find_faults(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
     let mut result = Ok(());
     each_raw(raw, "an array", path, faults, |index, item, faults| {
         result = result.and(point(item, path.item(index), faults).map(|_| ()));
@@ -54,7 +29,7 @@ pub(super) fn find_faults(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Fa
 }
 
 /// One point.
-pub(super) fn point(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
+pub(super) fn point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
     let mut coordinates = [Ok(0.0); 3];
     let count = each_raw(raw, "an array", path, faults, |index, item, faults| {
         if let Some(coordinate) = coordinates.get_mut(index) {
@@ -69,7 +44,7 @@ pub(super) fn point(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) 
     Ok([x?, y?, z?])
 }
 
-fn bounded(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
+fn bounded(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
     let coordinate = number(raw, path, faults)?;
     if is_in_bounds(coordinate) {
         return Ok(coordinate);
@@ -88,7 +63,7 @@ pub(crate) struct Points;
 impl Kind for Points {
     type Value = ();
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
         each_point(raw, path, faults, |_| ())
     }
 
@@ -112,7 +87,7 @@ mod tests {
 
     fn read(json: &str) -> (Vec<[f64; 3]>, Vec<(String, &'static str)>) {
         let (mut points, mut faults) = (Vec::new(), Faults::default());
-        let raw = JsonText::known(json);
+        let raw = serde_json::from_str(json).unwrap();
         let result = each_point(raw, JsonPath::Root.member("points"), &mut faults, |point| points.push(point));
         let faults: Vec<_> = faults.into_listed().into_iter().map(|fault| (fault.pointer, fault.code.name())).collect();
         assert_eq!(result.is_err(), !faults.is_empty());

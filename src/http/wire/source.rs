@@ -1,11 +1,10 @@
 //! A received surface with its format, its unit, and the warnings of its reader.
 
 use super::Warning;
-use super::unit::UNIT;
+use super::unit_member::UNIT;
 use crate::http::codes::{FileFault, RequestFault, WarningCode, same_names};
-use crate::http::reading::{Faulted, Faults};
-use crate::json_text::JsonPath;
-use crate::surface::read::{Format, Notes, Summary};
+use crate::http::reading::{Faulted, Faults, JsonPath};
+use crate::surface::read::{FarOutside, Format, Notes, Summary};
 use crate::surface::{Basis, ReceivedSurface, Shape, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -58,13 +57,20 @@ pub(crate) struct SurfaceWithSource {
 
 impl SurfaceWithSource {
     /// A surface of a JSON request, of which nothing is left out.
-    pub(crate) fn stated(surface: ReceivedSurface, source: Source) -> Self {
+    pub(crate) fn stated(mut surface: ReceivedSurface, source: Source) -> Self {
+        surface.leave_out_duplicates();
         Self { surface, source, unit: None, notes: Notes::default() }
     }
 
     /// A surface of a file.
-    pub(crate) fn of_file(surface: ReceivedSurface, summary: Summary) -> Self {
+    pub(crate) fn of_file(mut surface: ReceivedSurface, summary: Summary) -> Self {
+        surface.leave_out_duplicates();
         Self { surface, source: summary.format.into(), unit: summary.unit, notes: summary.notes }
+    }
+
+    /// Whether the surface was sent as a file.
+    pub(crate) fn is_file(&self) -> bool {
+        !matches!(self.source, Source::Points | Source::Grid | Source::Mesh | Source::Bezier)
     }
 
     /// The unit of the coordinates: the request's, otherwise the file's, otherwise mm.
@@ -94,8 +100,10 @@ impl SurfaceWithSource {
     pub(crate) fn warnings(&self, shape: &Shape) -> Vec<Warning> {
         let degenerate = self.surface.sampled.degenerate_facets();
         let degenerate = counted(degenerate, WarningCode::DegenerateFacets, "facets have no area and were left out");
-        let of_facets = [degenerate, self.left_out_facets(shape), of_basis(shape.basis)];
-        of_facets.into_iter().flatten().chain(of_notes(self.notes)).collect()
+        let duplicates = self.surface.mesh.duplicate_facets();
+        let duplicates = counted(duplicates, WarningCode::DuplicateFacets, "facets have the same corners as another one and were left out");
+        let of_facets = [degenerate, duplicates, self.left_out_facets(shape), of_basis(shape.basis)];
+        of_facets.into_iter().flatten().chain(of_notes(&self.notes)).collect()
     }
 
     fn left_out_facets(&self, shape: &Shape) -> Option<Warning> {
@@ -122,7 +130,7 @@ fn of_basis(basis: Basis) -> Option<Warning> {
     }
 }
 
-fn of_notes(notes: Notes) -> impl Iterator<Item = Warning> {
+fn of_notes(notes: &Notes) -> impl Iterator<Item = Warning> + use<> {
     let crossed = "polygons have an outline that crosses itself, and an area that is uncertain";
     let missing_end = "the file ends inside a solid, after a whole facet; it may have been cut off";
     let warnings = [
@@ -131,9 +139,23 @@ fn of_notes(notes: Notes) -> impl Iterator<Item = Warning> {
         counted(notes.other_elements, WarningCode::OtherElements, "elements other than vertices and faces were left out"),
         counted(notes.missing_points, WarningCode::MissingPoints, "points without coordinates were left out"),
         counted(notes.crossed_polygons, WarningCode::CrossedPolygons, crossed),
+        notes.far_outside.map(|far| Warning::new(WarningCode::PointFarOutside, far_outside(far))),
+        (!notes.volumes.is_empty()).then(|| {
+            let detail = format!("left out by the slicer's settings in the file: {}", notes.volumes.join(", "));
+            Warning::new(WarningCode::VolumesLeftOut, detail)
+        }),
         notes.missing_end.then(|| Warning::new(WarningCode::MissingEnd, missing_end)),
     ];
     warnings.into_iter().flatten()
+}
+
+fn far_outside(far: FarOutside) -> String {
+    let FarOutside { line, axis, value, points, others: [least, most] } = far;
+    let axis = ["x", "y", "z"][axis];
+    let times = if points > 1 { format!(" and of {} further points", points - 1) } else { String::new() };
+    format!(
+        "{axis} of the point in line {line}{times} is {value}, all others are from {least} to {most}; it may stand for a missing measurement"
+    )
 }
 
 /// A warning about so many items, if there are any.

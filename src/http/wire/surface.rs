@@ -1,11 +1,13 @@
 //! Surfaces in JSON: points, a grid, a mesh, or a Bezier patch.
 
-use super::points::{Points, each_point, find_faults, point, point_schema, receive_points};
+use super::points::{Points, each_point, point, point_schema};
 use super::source::{Source, SurfaceWithSource};
+use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{AddMembers, Components, Faulted, Faults, Kind, List, Member, Object, Whole, each_raw, members};
-use crate::json_text::{JsonPath, JsonText, read_triples};
+use crate::http::reading::{AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, Whole, each_raw, members};
+use crate::json::each;
 use crate::surface::{Bezier, BezierError, Grid, GridError, MeshError, ReceivedSurface, Sink};
+use serde_json::value::RawValue;
 use utoipa::openapi::schema::ArrayBuilder;
 use utoipa::openapi::{RefOr, Schema};
 
@@ -39,15 +41,7 @@ pub(crate) struct StatedSurface;
 impl Kind for StatedSurface {
     type Value = SurfaceWithSource;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
-        // Nearly all large bodies have only points. They are read without a first pass that finds the members.
-        let mut surface = ReceivedSurface::until(faults.cancel_flag());
-        if let Some(points) = sole_member(raw.get(), POINTS.name)
-            && receive_points(points, faults, &mut surface).is_some()
-        {
-            return Ok(SurfaceWithSource::stated(surface, Source::Points));
-        }
-        drop(surface);
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let forms = [POINTS.name, GRID.name, MESH.name, BEZIER.name].map(|form| object.has(form));
         let surface = match forms {
@@ -83,26 +77,22 @@ impl Kind for StatedSurface {
 
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let raw = object.required_raw(&POINTS, faults)?;
-    let mut surface = ReceivedSurface::until(faults.cancel_flag());
-    if receive_points(raw.get(), faults, &mut surface).is_none() {
-        find_faults(raw, object.path().member(POINTS.name), faults)?;
-    }
+    let mut surface = received();
+    each_point(raw, object.path().member(POINTS.name), faults, |point| surface.point(point))?;
     Ok(SurfaceWithSource::stated(surface, Source::Points))
 }
 
-/// The text from the value of the object's first member to the end of the object, if that member is `name`. If the
-/// object has no other members, the text is the value.
-fn sole_member<'a>(json: &'a str, name: &str) -> Option<&'a str> {
-    let rest = json.strip_prefix('{')?.trim_ascii_start().strip_prefix('"')?.strip_prefix(name)?.strip_prefix('"')?;
-    rest.trim_ascii_start().strip_prefix(':')?.strip_suffix('}')
+/// An empty surface.
+fn received() -> ReceivedSurface {
+    ReceivedSurface::until(&CancelFlag::default())
 }
 
 fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let (patch, samples) = (patch?, samples? as usize);
     // The shape is computed from the samples, as published; the facets have the corners of the cells.
-    let stop = || faults.is_cancelled();
-    let mesh = patch.tessellate_until(samples, ReceivedSurface::until(faults.cancel_flag()).mesh, &stop);
+    let stop = || false;
+    let mesh = patch.tessellate_until(samples, received().mesh, &stop);
     let surface =
         patch.sampled_until(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
             faults.add(
@@ -119,7 +109,7 @@ pub(crate) struct GridKind;
 impl Kind for GridKind {
     type Value = ReceivedSurface;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
         Object::open(raw, path, faults)?.read(faults, |object, faults| {
             match (object.required(&ROWS, faults), object.required(&COLUMNS, faults)) {
                 (Ok(rows), Ok(columns)) => grid(object, rows as usize, columns as usize, faults),
@@ -136,8 +126,7 @@ impl Kind for GridKind {
 
 fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = object.path();
-    let mut grid = Grid::into_sink(rows, columns, ReceivedSurface::until(faults.cancel_flag()))
-        .map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
+    let mut grid = Grid::into_sink(rows, columns, received()).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
     let raw = object.required_raw(&GRID_POINTS, faults)?;
     let path = path.member(GRID_POINTS.name);
     each_point(raw, path, faults, |point| grid.point(point))?;
@@ -149,7 +138,7 @@ pub(crate) struct MeshKind;
 impl Kind for MeshKind {
     type Value = ReceivedSurface;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let points = object.required_raw(&MESH_POINTS, faults).and_then(|raw| {
             let mut points = Vec::with_capacity(most_items(raw));
@@ -168,22 +157,16 @@ impl Kind for MeshKind {
 
 /// The most points or triangles in an array. Each has its own bracket and at least 8 bytes, `[0,0,0],`. The capacity is
 /// reserved at once, because a growing vector takes three times the memory when it moves.
-fn most_items(raw: JsonText<'_>) -> usize {
+fn most_items(raw: &RawValue) -> usize {
     let text = raw.get().as_bytes();
     memchr::memchr_iter(b'[', text).count().min(text.len() / 8)
 }
 
-/// The number of triangles between two checks for cancellation.
-const TRIANGLES_AT_ONCE: usize = 4096;
-
 fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = path.member(TRIANGLES.name);
-    let mut surface = ReceivedSurface::until(faults.cancel_flag());
+    let mut surface = received();
     let mut result = Ok(());
     for (number, triangle) in triangles.iter().enumerate() {
-        if number.is_multiple_of(TRIANGLES_AT_ONCE) && faults.is_cancelled() {
-            break;
-        }
         let at = |corner: usize| points.get(triangle[corner] as usize).copied().ok_or(corner);
         match (at(0), at(1), at(2)) {
             (Ok(a), Ok(b), Ok(c)) => surface.facet([a, b, c]),
@@ -204,7 +187,7 @@ pub(crate) struct Triangles;
 
 impl Triangles {
     /// Three indices of points; more than 2^32 - 1 points do not fit a request.
-    fn one(raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<[u32; 3], Faulted> {
+    fn one(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[u32; 3], Faulted> {
         let indices = List { item: Self::INDEX, about_item: "", fewest: 3, most: 3 }.read(raw, path, faults)?;
         Ok([indices[0], indices[1], indices[2]])
     }
@@ -215,9 +198,9 @@ impl Triangles {
 impl Kind for Triangles {
     type Value = Vec<[u32; 3]>;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         let mut triangles = Vec::with_capacity(most_items(raw));
-        if read_triples(raw.get(), faults.cancel_flag(), |some| some, |some: Vec<[u32; 3]>| triangles.extend(some)).is_some() {
+        if each(raw, |triangle| triangles.push(triangle)).is_ok() {
             return Ok(triangles);
         }
         // The pass above stopped at the first fault, without its location. This pass finds all faults, and accepts
@@ -268,7 +251,7 @@ const MOST_KEPT: usize = Bezier::LARGEST_ORDER + 1;
 impl Kind for Net {
     type Value = Vec<Vec<[f64; 3]>>;
 
-    fn read(&self, raw: JsonText<'_>, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
         first_items(raw, path, faults, |row, path, faults| first_items(row, path, faults, point))
     }
 
@@ -281,10 +264,10 @@ impl Kind for Net {
 
 /// Reads the items of the array `raw` with `read`; those beyond [`MOST_KEPT`] are left out.
 fn first_items<T>(
-    raw: JsonText<'_>,
+    raw: &RawValue,
     path: JsonPath<'_>,
     faults: &mut Faults,
-    read: impl Fn(JsonText<'_>, JsonPath<'_>, &mut Faults) -> Result<T, Faulted>,
+    read: impl Fn(&RawValue, JsonPath<'_>, &mut Faults) -> Result<T, Faulted>,
 ) -> Result<Vec<T>, Faulted> {
     let mut items = Vec::new();
     each_raw(raw, "an array", path, faults, |index, item, faults| {

@@ -367,7 +367,7 @@ impl Envelope {
             let is_exact = match self.cutter.kind() {
                 CutterKind::BallEnd => true,
                 CutterKind::FlatEnd => false,
-                CutterKind::Toroidal => is_inclined(self.contact().slope()),
+                _ => is_inclined(self.contact().slope()),
             };
             return if is_exact || self.pass.surface.is_plane() { 0.0 } else { f64::INFINITY };
         }

@@ -34,6 +34,7 @@ pub struct MeshBuilder {
     cloud: PointCloud,
     facets: u64,
     left_out: LeftOut,
+    duplicates: u64,
     bounds: Bounds,
     turned_over: bool,
     cancel: CancelFlag,
@@ -47,9 +48,6 @@ pub struct MeshSize {
     /// The number of points.
     pub points: usize,
 }
-
-/// The memory that the triangulation of a point takes while it runs, measured by `benches/memory.rs`.
-const BYTES_TO_TRIANGULATE: usize = 400;
 
 impl Default for MeshBuilder {
     fn default() -> Self {
@@ -82,6 +80,7 @@ impl MeshBuilder {
             cloud: PointCloud::new(limit / 2),
             facets: 0,
             left_out: LeftOut::default(),
+            duplicates: 0,
             bounds: Bounds::NONE,
             turned_over: false,
             cancel: CancelFlag::default(),
@@ -95,28 +94,46 @@ impl MeshBuilder {
         Self { cancel: cancel.clone(), cloud: self.cloud.with_cancel_flag(cancel), ..self }
     }
 
-    /// The memory that the facets or points hold now, in bytes.
-    #[must_use]
-    pub fn held_bytes(&self) -> usize {
-        let lattice = self.lattice.as_ref().map_or(0, HeightLattice::held_bytes);
-        self.welder.held_bytes() + self.triangles.capacity() * size_of::<[u32; 3]>() + lattice + self.cloud.held_bytes()
+    /// Leaves out facets that have the same corners as an earlier one, in the same order around the facet, and passes
+    /// them to `each`. Facets that were merged on a lattice are not compared: there, a second one changes nothing.
+    pub fn leave_out_duplicates(&mut self, mut each: impl FnMut([[f64; 3]; 3])) {
+        let first_smallest = |[a, b, c]: [u32; 3]| match a.min(b).min(c) {
+            least if least == a => [a, b, c],
+            least if least == b => [b, c, a],
+            _ => [c, a, b],
+        };
+        let mut sorted: Vec<([u32; 3], u32)> = self.triangles.iter().map(|triangle| first_smallest(*triangle)).zip(0..).collect();
+        sorted.sort_unstable();
+        let mut duplicates: Vec<u32> = sorted.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[1].1).collect();
+        if duplicates.is_empty() {
+            return;
+        }
+        duplicates.sort_unstable();
+        for &duplicate in &duplicates {
+            let mut corners = self.triangles[duplicate as usize].map(|corner| self.welder.points()[corner as usize]);
+            if self.turned_over {
+                corners.swap(1, 2);
+            }
+            each(corners);
+        }
+        let mut number = 0;
+        self.triangles.retain(|_| {
+            number += 1;
+            duplicates.binary_search(&(number - 1)).is_err()
+        });
+        self.duplicates += duplicates.len() as u64;
     }
 
-    /// The additional memory in bytes to add `facets` facets or points with `corners` new corners. Vectors double in
-    /// size, and facets beyond the limit are merged on a lattice, which is rebuilt when its spacing doubles.
+    /// The number of facets that [`MeshBuilder::leave_out_duplicates`] has left out.
     #[must_use]
-    pub fn bytes_to_take(&self, facets: usize, corners: usize) -> usize {
-        let lattice = self.limit / 2 * size_of::<f64>();
-        if self.lattice.is_some() {
-            return lattice;
-        }
-        let count = self.triangles.len() + facets;
-        let (facets, merged) = if count > self.limit { (self.limit - self.triangles.len(), 2 * lattice) } else { (facets, 0) };
-        // While it doubles for the last time, the old and the new vector take less than three times the facets; what the
-        // vector has now is held already.
-        let capacity = self.triangles.capacity();
-        let triangles = if count > capacity { (3 * count.min(self.limit) - capacity) * size_of::<[u32; 3]>() } else { 0 };
-        triangles + merged + self.welder.bytes_to_take(corners.min(3 * facets)) + self.cloud.bytes_to_take(facets)
+    pub fn duplicate_facets(&self) -> u64 {
+        self.duplicates
+    }
+
+    /// Whether a facet with an area was added.
+    #[must_use]
+    pub fn has_facets(&self) -> bool {
+        self.facets > 0
     }
 
     /// The largest size that the mesh of all received facets can have.
@@ -130,20 +147,6 @@ impl MeshBuilder {
             return MeshSize { facets: 2 * self.cloud.len(), points: self.cloud.len() };
         }
         MeshSize { facets: self.triangles.len(), points: self.welder.len() }
-    }
-
-    /// The additional memory in bytes that [`MeshBuilder::finish`] takes, without the stored data and the mesh itself.
-    #[must_use]
-    pub fn bytes_to_finish(&self) -> usize {
-        let MeshSize { facets, points } = self.size();
-        if self.lattice.is_some() {
-            // The vectors of points and triangles double in size.
-            2 * (points * size_of::<[f64; 3]>() + facets * size_of::<[u32; 3]>())
-        } else if self.triangles.is_empty() {
-            points * BYTES_TO_TRIANGULATE
-        } else {
-            0
-        }
     }
 
     /// The mesh, in mm, of all facets or points that were added with coordinates in `unit`.

@@ -56,11 +56,6 @@ impl HeightLattice {
         2.0_f64.powi(self.exponent)
     }
 
-    /// The memory held, in bytes.
-    pub(super) fn held_bytes(&self) -> usize {
-        self.heights.capacity() * size_of::<f64>()
-    }
-
     fn nodes(&self) -> usize {
         usize::try_from(self.side * self.side).expect("half of a bound that is a usize")
     }

@@ -384,3 +384,23 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn facets_with_the_same_corners_count_once() {
+    let facets = shapes::solid_box([0.0; 3], [40.0, 20.0, 10.0]);
+    let mut builder = MeshBuilder::new();
+    for &facet in &facets {
+        builder.facet(facet);
+    }
+    // Again, from another corner on; and the back of one.
+    for &[a, b, c] in &facets {
+        builder.facet([b, c, a]);
+    }
+    let [a, b, c] = facets[0];
+    builder.facet([a, c, b]);
+    let mut left_out = Vec::new();
+    builder.leave_out_duplicates(|corners| left_out.push(corners));
+    assert_eq!((left_out.len(), builder.duplicate_facets()), (12, 12));
+    assert_eq!(left_out[0], [b, c, a]);
+    assert_eq!(builder.finish(Unit::Millimetre, Facing::Any).unwrap().triangles().len(), 13);
+}

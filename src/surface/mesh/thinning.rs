@@ -68,25 +68,6 @@ impl PointCloud {
         self.cells.as_ref().map_or(self.points.len(), |cells| cells.points.len())
     }
 
-    /// The additional memory in bytes for `more` points: the vector doubles in size, and while points are thinned to
-    /// larger cells they are stored twice.
-    pub(super) fn bytes_to_take(&self, more: usize) -> usize {
-        let count = self.len() + more;
-        if count > self.limit {
-            return (2 * self.limit + 2) * size_of::<[f64; 3]>() + bytes_of_table(self.limit);
-        }
-        let capacity = self.cells.as_ref().map_or(self.points.capacity(), |cells| cells.points.capacity());
-        let table = if self.cells.is_some() { bytes_of_table(count) } else { 0 };
-        table + if count > capacity { 2 * count * size_of::<[f64; 3]>() } else { 0 }
-    }
-
-    /// The memory in use, in bytes.
-    pub(super) fn held_bytes(&self) -> usize {
-        let cells =
-            self.cells.as_ref().map_or(0, |cells| cells.points.capacity() * size_of::<[f64; 3]>() + bytes_of_table(cells.table.capacity()));
-        self.points.capacity() * size_of::<[f64; 3]>() + cells
-    }
-
     pub(super) fn into_points(self) -> Vec<[f64; 3]> {
         self.cells.map_or(self.points, |cells| cells.points)
     }
@@ -109,11 +90,6 @@ impl PointCloud {
         let [finest, usual] = [finest, usual].map(|side| side.max(least).log2().floor() as i32);
         self.cells = Some(Cells::fitting(finest, usual, &std::mem::take(&mut self.points), self.limit / 2, &self.cancel));
     }
-}
-
-/// The bytes of a table of the indices of `count` points: 5 for each slot, and at least eight slots for seven points.
-fn bytes_of_table(count: usize) -> usize {
-    (count * 8 / 7 + 8).next_power_of_two() * 5
 }
 
 /// One point of each cell of a square lattice.

@@ -62,20 +62,6 @@ impl Welder {
     pub(super) fn len(&self) -> usize {
         self.points.len()
     }
-
-    /// The additional memory in bytes for `more` distinct points, while vector and table double in size.
-    pub(super) fn bytes_to_take(&self, more: usize) -> usize {
-        let count = self.points.len() + more;
-        let points = if count > self.points.capacity() { 2 * count * size_of::<[f64; 3]>() } else { 0 };
-        // The table holds seven eighths of a power of two.
-        let table = if count > self.table.capacity() { (count * 8 / 7 + 8).next_power_of_two() * 5 } else { 0 };
-        points + table
-    }
-
-    /// The memory in use, in bytes: the points, and 5 bytes for each slot of the table.
-    pub(super) fn held_bytes(&self) -> usize {
-        self.points.capacity() * size_of::<[f64; 3]>() + self.table.capacity() * 8 / 7 * 5
-    }
 }
 
 impl HashKeys {

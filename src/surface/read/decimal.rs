@@ -101,12 +101,62 @@ pub(super) fn unbounded(found: &str) -> Flaw {
     Flaw::new(FaultKind::OutOfRange, format!("a finite coordinate of at most {LARGEST_COORDINATE:e} in magnitude"), found.to_owned())
 }
 
+/// The coordinates of a file whose words are separated by blanks, so that a comma in a number can only be a decimal
+/// comma. The first number with a decimal mark determines that of the file.
+#[derive(Debug, Default)]
+pub(super) struct Decimals {
+    mark: Option<u8>,
+}
+
+impl Decimals {
+    /// Parses the whole of `word`; `expected` describes it in a fault.
+    #[inline]
+    pub(super) fn coordinate(&mut self, word: &[u8], expected: &'static str) -> Result<f64, Flaw> {
+        let mark = self.mark.unwrap_or(b'.');
+        match number(word, mark) {
+            Some((value, length)) if length == word.len() => {
+                if self.mark.is_none() && word.contains(&mark) {
+                    self.mark = Some(mark);
+                }
+                bounded(value, word)
+            }
+            _ => self.odd(word, expected),
+        }
+    }
+
+    #[cold]
+    fn odd(&mut self, word: &[u8], expected: &'static str) -> Result<f64, Flaw> {
+        let other = if self.mark == Some(b',') { b'.' } else { b',' };
+        match number(word, other) {
+            Some((value, length)) if length == word.len() && self.mark.is_none() => {
+                self.mark = Some(other);
+                bounded(value, word)
+            }
+            Some((_, length)) if length == word.len() && other == b'.' => {
+                Err(Flaw::malformed("a number with a decimal comma, as before", word))
+            }
+            _ => Err(no_coordinate(word, expected)),
+        }
+    }
+}
+
 /// Parses the whole of `word` as a coordinate with a decimal point; `expected` describes it in a fault.
 pub(super) fn coordinate(word: &[u8], expected: &'static str) -> Result<f64, Flaw> {
     match number(word, b'.') {
         Some((value, length)) if length == word.len() => bounded(value, word),
-        _ if names_no_finite_number(word) => Err(unbounded(&quoted(word))),
-        _ => Err(Flaw::malformed(expected, word)),
+        _ => Err(no_coordinate(word, expected)),
+    }
+}
+
+#[cold]
+fn no_coordinate(word: &[u8], expected: &'static str) -> Flaw {
+    let has_decimal_comma = number(word, b',').is_some_and(|(_, length)| length == word.len());
+    if names_no_finite_number(word) {
+        unbounded(&quoted(word))
+    } else if has_decimal_comma {
+        Flaw::new(FaultKind::Malformed, "a number with a decimal point", format!("{}, with a decimal comma", quoted(word)))
+    } else {
+        Flaw::malformed(expected, word)
     }
 }
 
@@ -164,6 +214,19 @@ mod tests {
             assert_eq!(coordinate(word.as_bytes(), "a number"), Err(unbounded(&quoted(word.as_bytes()))), "{word}");
         }
         assert_eq!(coordinate(b"1.2.3", "a number"), Err(Flaw::malformed("a number", b"1.2.3")));
+    }
+
+    #[test]
+    fn the_first_decimal_mark_is_that_of_the_file() {
+        let mut decimals = Decimals::default();
+        let mut read = |word: &str| decimals.coordinate(word.as_bytes(), "a number");
+        assert_eq!([read("7"), read("-0,5e1"), read("2,5"), read("3")], [Ok(7.0), Ok(-5.0), Ok(2.5), Ok(3.0)]);
+        assert_eq!(read("1.5"), Err(Flaw::malformed("a number with a decimal comma, as before", b"1.5")));
+        let mut decimals = Decimals::default();
+        assert_eq!(decimals.coordinate(b"1.5", "a number"), Ok(1.5));
+        let flaw = decimals.coordinate(b"1,5", "a number").unwrap_err().at_line(1).to_string();
+        assert_eq!(flaw, "line 1: expected a number with a decimal point, found \"1,5\", with a decimal comma");
+        assert_eq!(Decimals::default().coordinate(b"1,2,3", "a number"), Err(Flaw::malformed("a number", b"1,2,3")));
     }
 
     proptest! {

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::io;
 use std::sync::Arc;
 
 /// A location in a file.
@@ -91,6 +92,38 @@ impl fmt::Display for Fault {
 }
 
 impl std::error::Error for Fault {}
+
+/// The reason why a file could not be read.
+#[derive(Debug)]
+pub enum ReadError {
+    /// The file has a fault.
+    Fault(Fault),
+    /// The source of the file failed: it was cut off, or nobody waits for the surface any longer.
+    Source(io::Error),
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fault(fault) => fault.fmt(f),
+            Self::Source(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for ReadError {}
+
+impl From<Fault> for ReadError {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(fault)
+    }
+}
+
+impl From<io::Error> for ReadError {
+    fn from(error: io::Error) -> Self {
+        Self::Source(error)
+    }
+}
 
 /// A fault without its location, which the caller adds.
 #[derive(Debug, Clone, PartialEq, Eq)]

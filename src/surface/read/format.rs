@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, FaultKind, Flaw};
 use super::known::{KNOWN_AT_START, by_statement};
-use super::lines::{Words, is_word, line_end, starts_number, statements};
+use super::words::{Words, is_word, line_end, starts_number, statements};
 use std::fmt;
 
 /// The largest number of bytes examined, more than a licence text in comments at the start of a file has.
@@ -141,7 +141,7 @@ pub(super) fn detect(head: &[u8], hint: FormatHint, is_decoded: bool) -> Result<
     if let Some(at) = control_byte(text) {
         return match hint.0 {
             Some(NamedFormat::Stl) if !is_decoded => Ok(Detected { format: Family::StlBinary, mark: 0 }),
-            None if !is_decoded && is_binary_stl(head) => Ok(Detected { format: Family::StlBinary, mark: 0 }),
+            _ if !is_decoded && is_binary_stl(head) => Ok(Detected { format: Family::StlBinary, mark: 0 }),
             None => Err(unknown("a binary file of no known format").at_byte((mark + at) as u64)),
             Some(_) => {
                 Err(unknown(format!("a file with the control byte {:#04x}, which is not text", text[at])).at_byte((mark + at) as u64))
@@ -305,6 +305,9 @@ mod tests {
         assert!(detect(&noise, FormatHint::default(), false).is_err());
         assert_eq!(family(&noise, "a.stl"), Family::StlBinary);
         assert_eq!(family(&[binary_stl(b"longer"), b"and more".to_vec()].concat(), "a"), Family::StlBinary);
+        for name in ["part.stl.txt", "part.obj", "part.csv", "part.3mf", "part.ply", "part.bin", "part"] {
+            assert_eq!(family(&binary_stl(b"Exported from somewhere"), name), Family::StlBinary, "{name}");
+        }
     }
 
     #[test]
@@ -336,6 +339,12 @@ mod tests {
             (b"<?xml version=\"1.0\"?>\n<COLLADA>", "COLLADA"),
             (b"ncols 4\nnrows 6\n", "ESRI"),
             (b"\x01\x02\x03\x04", "binary file"),
+            (b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n", "Git LFS pointer"),
+            (b"<!doctype HTML>\n<title>404</title>", "HTML page"),
+            (b"\n\n<HTML lang=\"de\"><body>", "HTML page"),
+            (b"<!-- an error --><html>", "HTML page"),
+            (b"<?xml version=\"1.0\"?><!DOCTYPE html PUBLIC \"-//W3C//DTD XHTML 1.0\">", "HTML page"),
+            (b"<head><title>Sign in</title></head>", "HTML page"),
         ] {
             let fault = detect(head, FormatHint::default(), false).unwrap_err();
             assert_eq!(fault.kind(), FaultKind::UnknownFormat);

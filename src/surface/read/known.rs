@@ -1,9 +1,10 @@
 //! Formats that are not read, and are detected only to name them in the fault.
 
-use super::lines::{Words, is_word, line_end, starts_number, statements};
+use super::words::{Words, is_word, line_end, starts_number, statements};
 
 /// Formats by their first bytes.
-pub(super) const KNOWN_AT_START: [(&[u8], &str); 31] = [
+pub(super) const KNOWN_AT_START: [(&[u8], &str); 32] = [
+    (b"version https://git-lfs", "a Git LFS pointer in place of the file; fetch the file itself with git lfs pull"),
     (b"\x1f\x8b", "a gzip archive inside the upload; send the file itself, or the whole request compressed"),
     (b"7z\xbc\xaf\x27\x1c", "a 7z archive; send the file itself"),
     (b"Rar!\x1a\x07", "a RAR archive; send the file itself"),
@@ -75,13 +76,16 @@ fn is_iges(text: &[u8]) -> bool {
 }
 
 fn markup(text: &[u8]) -> &'static str {
-    let names: [(&[u8], &str); 6] = [
+    let start = text[..text.len().min(4096)].to_ascii_lowercase();
+    let is_page = [b"<html".as_slice(), b"<!doctype html", b"<head>"].iter().any(|tag| memchr::memmem::find(&start, tag).is_some());
+    if is_page {
+        return "an HTML page, such as a server's error or sign-in page in place of the file";
+    }
+    let names: [(&[u8], &str); 4] = [
         (b"<amf", "an AMF file; export it as STL or 3MF"),
         (b"<COLLADA", "a COLLADA file; export it as STL, OBJ or PLY"),
         (b"<X3D", "an X3D file; export it as STL, OBJ or PLY"),
         (b"<svg", "an SVG image"),
-        (b"<html", "an HTML page"),
-        (b"<!DOCTYPE html", "an HTML page"),
     ];
     names.into_iter().find(|(tag, _)| memchr::memmem::find(text, tag).is_some()).map_or("an XML file", |(_, name)| name)
 }

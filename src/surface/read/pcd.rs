@@ -4,19 +4,38 @@
 //! The fields `x`, `y` and `z` are read, wherever they stand. Points with the coordinates `nan` are directions without
 //! a measurement; they are counted and left out. Binary data are refused.
 
-use super::decimal::{coordinate, names_no_finite_number};
-use super::fault::{Fault, FaultKind, Flaw, quoted};
-use super::lines::{Lines, Words, trimmed};
+use super::decimal::{Decimals, names_no_finite_number};
+use super::extremes::Extremes;
+use super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::input::Input;
+use super::words::{Words, trimmed};
 use super::{Format, Notes, Sink, Summary};
 
 /// The largest number of fields of a point.
 const MOST_FIELDS: usize = 1000;
 
-/// The reader of PCD.
-#[derive(Debug)]
-pub(super) struct Reader {
-    lines: Lines,
-    content: Content,
+/// Reads a PCD file.
+pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+    let mut content = Content::default();
+    input.each_line(|line, number| content.line(line, number, sink))?;
+    let number = input.number_at_end();
+    let Content { data, stated, extremes, points, missing, trailing_bytes, .. } = content;
+    let end = "the end of the file";
+    let flaw = match data {
+        None => Flaw::new(FaultKind::Truncated, "a header that ends with DATA", end),
+        Some(_) if stated.is_some_and(|stated| stated != points + missing) => {
+            let expected = format!("{} points, as the header states", stated.unwrap_or(0));
+            Flaw::new(FaultKind::Truncated, expected, format!("{end} after {}", points + missing))
+        }
+        Some(_) if points == 0 => Flaw::new(FaultKind::Empty, "a point", end),
+        Some(Data { width, .. }) => {
+            let far_outside = extremes.far_outside();
+            let notes =
+                Notes { further_columns: (width - 3) as u64, missing_points: missing, trailing_bytes, far_outside, ..Notes::default() };
+            return Ok(Summary { format: Format::Pcd, points, facets: 0, unit: None, notes });
+        }
+    };
+    Err(flaw.at_line(number).into())
 }
 
 #[derive(Debug, Default)]
@@ -28,6 +47,8 @@ struct Content {
     /// The number of points in the header.
     stated: Option<u64>,
     data: Option<Data>,
+    decimals: Decimals,
+    extremes: Extremes,
     points: u64,
     missing: u64,
     trailing_bytes: u64,
@@ -41,38 +62,8 @@ struct Data {
     width: usize,
 }
 
-impl Reader {
-    pub(super) fn new() -> Self {
-        Self { lines: Lines::after(0), content: Content::default() }
-    }
-
-    pub(super) fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        self.lines.push(chunk, |line, _| self.content.line(line, sink))
-    }
-
-    pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
-        self.lines.finish(|line, _| self.content.line(line, sink))?;
-        let number = self.lines.number();
-        let Content { data, stated, points, missing, trailing_bytes, .. } = self.content;
-        let end = "the end of the file";
-        let Some(Data { width, .. }) = data else {
-            return Err(Flaw::new(FaultKind::Truncated, "a header that ends with DATA", end).at_line(number));
-        };
-        let read = points + missing;
-        if let Some(stated) = stated.filter(|stated| *stated != read) {
-            let expected = format!("{stated} points, as the header states");
-            return Err(Flaw::new(FaultKind::Truncated, expected, format!("{end} after {read}")).at_line(number));
-        }
-        if points == 0 {
-            return Err(Flaw::new(FaultKind::Empty, "a point", end).at_line(number));
-        }
-        let notes = Notes { further_columns: (width - 3) as u64, missing_points: missing, trailing_bytes, ..Notes::default() };
-        Ok(Summary { format: Format::Pcd, points, facets: 0, unit: None, notes })
-    }
-}
-
 impl Content {
-    fn line<S: Sink>(&mut self, line: &[u8], sink: &mut S) -> Result<(), Flaw> {
+    fn line(&mut self, line: &[u8], number: u64, sink: &mut dyn Sink) -> Result<(), Flaw> {
         let line = trimmed(line);
         if line.is_empty() || line[0] == b'#' {
             return Ok(());
@@ -97,9 +88,10 @@ impl Content {
             self.missing += 1;
             return Ok(());
         }
-        let number = |word| coordinate(word, "a number");
-        let point = [number(x)?, number(y)?, number(z)?];
+        let mut coordinate = |word| self.decimals.coordinate(word, "a number");
+        let point = [coordinate(x)?, coordinate(y)?, coordinate(z)?];
         self.points += 1;
+        self.extremes.add(point, number);
         sink.point(point);
         Ok(())
     }

@@ -13,7 +13,7 @@ const MOST_CORNERS: usize = 1 << 16;
 
 /// The largest number of corners of a polygon that a fan does not cover: the time of ear clipping grows with its
 /// square.
-pub(super) const MOST_CORNERS_BY_EARS: usize = 512;
+const MOST_CORNERS_BY_EARS: usize = 512;
 
 /// The share of a polygon's area by which a triangle may have the opposite orientation: corners in single precision are
 /// rounded by 6e-8 of their size, which reverses triangles whose corners should be collinear.

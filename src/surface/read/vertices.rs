@@ -4,9 +4,6 @@
 /// Vertices in a block: 96 KiB.
 const BLOCK: usize = 4096;
 
-/// The memory that a block takes, in bytes: allocators put four to five blocks of this size into a page of 512 KiB.
-const BLOCK_BYTES: usize = 112 * 1024;
-
 /// Vertices in the order of the file.
 #[derive(Debug, Default)]
 pub(super) struct Vertices {
@@ -40,11 +37,6 @@ impl Vertices {
     pub(super) fn iter(&self) -> impl Iterator<Item = &[f64; 3]> {
         self.blocks.iter().flatten()
     }
-
-    /// The memory that the vertices take, in bytes.
-    pub(super) fn held_bytes(&self) -> usize {
-        self.blocks.len() * BLOCK_BYTES
-    }
 }
 
 #[cfg(test)]
@@ -63,6 +55,5 @@ mod tests {
         assert!((0..vertices.len()).all(|index| vertices.get(index) == Some(&vertex(index))));
         assert_eq!(vertices.get(vertices.len()), None);
         assert!(vertices.iter().copied().eq((0..vertices.len()).map(vertex)));
-        assert!(vertices.held_bytes() >= vertices.len() * size_of::<[f64; 3]>());
     }
 }

@@ -1,11 +1,10 @@
-//! The rules for a request's body: the lowest rate of arrival (`wire`), the largest size after decompression (`limit`),
-//! and the longest time from its last byte to the answer. A body that breaks a rule ends with an error. The service
-//! then answers with the problem of that rule, whatever the handler returned.
+//! The rules for a request's body: the longest pause and the longest time of its arrival, the largest size after
+//! decompression (`limit`), and the longest time from its last byte to the answer. A body that breaks a rule ends with
+//! an error. The service then answers with the problem of that rule, whatever the handler returned.
 
 mod gzip;
 mod limit;
 mod progress;
-mod wire;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -15,15 +14,18 @@ use axum::extract::Request;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use tokio::time::{Instant, timeout_at};
+use tower_http::timeout::{DeadlineBody, TimeoutBody};
 
 use crate::http::codes::ServiceProblem;
 use crate::http::problem::Problem;
 use crate::http::routes::RouteClass;
-use crate::settings::HttpSettings;
+use crate::settings::Settings;
 use gzip::{decompressed, is_gzip};
-use limit::{LimitedBody, too_large};
-pub(super) use progress::BodyProgress;
-pub(super) use wire::{Pace, WireBody};
+use limit::{limited, too_large};
+pub(super) use progress::{BodyProgress, RecordedBody};
+
+/// How many times the longest pause a body's arrival may take in all: a trickle does not hold a connection for ever.
+const MAX_PAUSES: u32 = 20;
 
 /// The rules for requests to the routes of one class.
 #[derive(Debug)]
@@ -31,15 +33,15 @@ pub(super) struct BodyRules {
     /// The largest body, in decompressed bytes.
     max_bytes: u64,
     pub(super) request_timeout: Duration,
-    pub(super) pace: Pace,
+    client_timeout: Duration,
 }
 
 impl BodyRules {
-    pub(super) fn new(class: RouteClass, settings: &HttpSettings) -> Self {
+    pub(super) fn new(class: RouteClass, settings: &Settings) -> Self {
         Self {
             max_bytes: class.max_body_bytes(settings),
-            request_timeout: settings.request_timeout,
-            pace: Pace { longest_stall: settings.body_idle_timeout, min_bytes_s: settings.min_body_rate },
+            request_timeout: settings.request_timeout_s,
+            client_timeout: settings.client_timeout_s,
         }
     }
 
@@ -54,10 +56,15 @@ impl BodyRules {
         }
     }
 
-    /// Decompresses the body, and limits its decompressed size.
-    pub(super) fn decompress(&self, request: Request) -> Request {
+    /// Limits the body's arrival and its decompressed size, and decompresses it.
+    pub(super) fn limit(&self, request: Request) -> Request {
         let progress = BodyProgress::of(&request);
-        decompressed(request).map(|body| Body::new(LimitedBody::new(body, self.max_bytes, progress)))
+        if !progress.is_unread() {
+            return request;
+        }
+        let pause = self.client_timeout;
+        let timed = request.map(|body| Body::new(DeadlineBody::new(MAX_PAUSES * pause, TimeoutBody::new(pause, body))));
+        decompressed(timed).map(|body| limited(body, self.max_bytes, progress))
     }
 }
 

@@ -1,15 +1,18 @@
-//! The record of a request body's progress, which the log, the minimum rate and the time limit share. The size
-//! limit uses only its fault and its memory budget.
+//! The record of a request body's progress, which the log and the limits of time and size share, and the body that
+//! keeps it.
 
+use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::task::{Context, Poll, ready};
 use std::time::Duration;
 
+use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::Request;
+use http_body::{Frame, SizeHint};
 use tokio::time::Instant;
 
 use crate::http::problem::Problem;
-use crate::memory_budget::MemoryBudget;
 
 /// The progress of one request's body. The outermost layer adds it to the request's extensions.
 #[derive(Debug)]
@@ -22,20 +25,17 @@ pub(in super::super) struct BodyProgress {
     /// Whether a part of the body is still unread.
     is_unread: AtomicBool,
     fault: OnceLock<Problem>,
-    /// The budget in which the body's bytes are reserved while they are in memory.
-    budget: MemoryBudget,
 }
 
 impl BodyProgress {
     /// The record of a request whose body has not been read yet.
-    pub(in super::super) fn begin(is_unread: bool, budget: MemoryBudget) -> Self {
+    pub(in super::super) fn begin(is_unread: bool) -> Self {
         Self {
             began: Instant::now(),
             wire_bytes: AtomicU64::new(0),
             last_byte_ms: AtomicU64::new(0),
             is_unread: AtomicBool::new(is_unread),
             fault: OnceLock::new(),
-            budget,
         }
     }
 
@@ -45,16 +45,12 @@ impl BodyProgress {
         progress.map_or_else(|| unreachable!("the outermost layer adds the record"), Arc::clone)
     }
 
-    /// Adds received bytes and returns their total.
-    pub(super) fn add_wire_bytes(&self, bytes: u64) -> u64 {
+    /// Adds received bytes.
+    fn add_wire_bytes(&self, bytes: u64) {
         // 2^64 ms are half a billion years.
         let elapsed = u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.last_byte_ms.store(elapsed, Ordering::Relaxed);
-        self.wire_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes
-    }
-
-    pub(in super::super) fn budget(&self) -> &MemoryBudget {
-        &self.budget
+        self.wire_bytes.fetch_add(bytes, Ordering::Relaxed);
     }
 
     pub(in super::super) fn wire_bytes(&self) -> u64 {
@@ -67,7 +63,7 @@ impl BodyProgress {
     }
 
     /// Records that the body has been read to its end.
-    pub(super) fn note_end(&self) {
+    fn note_end(&self) {
         self.is_unread.store(false, Ordering::Relaxed);
     }
 
@@ -82,5 +78,35 @@ impl BodyProgress {
 
     pub(super) fn fault(&self) -> Option<&Problem> {
         self.fault.get()
+    }
+}
+
+/// A body as it arrives, before decompression, whose progress is recorded.
+pub(in super::super) struct RecordedBody {
+    pub(in super::super) body: Body,
+    pub(in super::super) progress: Arc<BodyProgress>,
+}
+
+impl HttpBody for RecordedBody {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        let frame = ready!(Pin::new(&mut self.body).poll_frame(context));
+        if let Some(Ok(frame)) = &frame {
+            self.progress.add_wire_bytes(frame.data_ref().map_or(0, |data| data.len() as u64));
+        }
+        if frame.is_none() || self.body.is_end_stream() {
+            self.progress.note_end();
+        }
+        Poll::Ready(frame)
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.body.is_end_stream()
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        self.body.size_hint()
     }
 }

@@ -2,7 +2,7 @@
 //! be points or a matrix of heights; the first column can be x or the number of the point.
 
 use super::super::fault::{FaultKind, Flaw, quoted};
-use super::super::lines::trimmed;
+use super::super::words::trimmed;
 use super::evidence::{Evidence, WIDEST_POINT};
 use super::layout::Separator;
 
@@ -48,22 +48,6 @@ impl Ambiguity {
         if let Some((least, most)) = self.commas {
             self.commas = decimal_comma_fields(line).map(|count| (least.min(count), most.max(count)));
         }
-    }
-
-    /// Whether the next line must be read in order.
-    pub(super) fn needs_lines(&self) -> bool {
-        self.columns.as_ref().is_some_and(|columns| !columns.is_complete())
-    }
-
-    /// A record for a block of later lines, which examines decimal commas only.
-    pub(super) fn of_more_lines(&self) -> Self {
-        let commas = self.commas.map(|_| (usize::MAX, 0));
-        Self { first_line: self.first_line, first: self.first.clone(), commas, columns: None }
-    }
-
-    /// Adds the lines that `more` has examined.
-    pub(super) fn add(&mut self, more: &Self) {
-        self.commas = self.commas.zip(more.commas).map(|(own, others)| (own.0.min(others.0), own.1.max(others.1)));
     }
 
     /// The flaw of a table of `points` lines that is ambiguous, and the line to report. `has_mark` states that a number

@@ -143,7 +143,10 @@ impl Evidence {
         };
         let has_colour = further.windows(3).any(is_colour);
         let has_whole_numbers = further.iter().any(|column| column.is_whole && column.least < column.most);
-        let has_properties = has_normal || (has_decimals && (has_colour || has_whole_numbers));
+        // Probe logs write the positions of axes that did not move.
+        let is_constant = |column: &Column| column.least.to_bits() == column.most.to_bits();
+        let has_no_heights = further.iter().all(is_constant) && !coordinates.iter().all(is_constant);
+        let has_properties = has_normal || has_no_heights || (has_decimals && (has_colour || has_whole_numbers));
         let is_long = lines > LONGEST_MATRIX * self.width() as u64;
         !has_properties && (!is_long || self.columns.windows(2).all(|pair| are_alike(pair[0], pair[1])))
     }

@@ -2,7 +2,7 @@
 
 use super::super::decimal::{bounded, names_no_finite_number, number, unbounded};
 use super::super::fault::{FaultKind, Flaw, quoted};
-use super::super::lines::{trimmed, trimmed_start};
+use super::super::words::{trimmed, trimmed_start};
 
 /// The separators of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,14 +79,16 @@ fn quotation_end(text: &[u8]) -> usize {
 
 /// The layout of the lines of a file.
 #[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Layout {
+pub(super) struct Layout {
     pub(super) separator: Separator,
     /// The decimal mark, once a coordinate with one has been read.
     pub(super) mark: Option<u8>,
     /// Column and axis of the three coordinates, by rising column.
     pub(super) columns: [(usize, usize); 3],
-    /// The number of columns that a header names, which every line must have.
-    pub(super) width: Option<usize>,
+    /// The number of columns, which every line must have.
+    pub(super) width: usize,
+    /// Whether a header names them.
+    pub(super) is_named: bool,
 }
 
 impl Layout {
@@ -104,13 +106,10 @@ impl Layout {
             (point[axis], rest) = self.number(field)?;
             column += 1;
         }
-        match self.width {
-            Some(width) => self.check_width(column, rest, width).map(|()| point),
-            None => Ok(point),
-        }
+        if rest.is_none() && column == self.width { Ok(point) } else { self.check_width(column, rest, self.width).map(|()| point) }
     }
 
-    /// Checks that the `read` columns and those in `rest` are as many as the header names. A separator at the end of
+    /// Checks that the `read` columns and those in `rest` are as many as in the header or the first line. A separator at the end of
     /// the line adds no column.
     fn check_width(&self, read: usize, rest: Option<&[u8]>, width: usize) -> Result<(), Flaw> {
         let further = match rest {
@@ -130,11 +129,14 @@ impl Layout {
 
     #[cold]
     fn unequal(&self, count: usize, width: usize) -> Flaw {
-        if self.separator == Separator::Comma && width == 3 && (4..=6).contains(&count) && self.mark != Some(b'.') {
+        let has = if self.is_named { "as the header names" } else { "as the first line has" };
+        // With decimal commas, three numbers have three to six fields.
+        let most = if self.is_named { 3 } else { 6 };
+        if self.separator == Separator::Comma && (3..=most).contains(&width) && (3..=6).contains(&count) && self.mark != Some(b'.') {
             let found = format!("{count} fields; either {count} columns between commas, or three numbers with decimal commas");
-            return Flaw::new(FaultKind::Ambiguous, "three columns, as the header names", found);
+            return Flaw::new(FaultKind::Ambiguous, format!("{width} columns, {has}"), found);
         }
-        Flaw::new(FaultKind::Malformed, format!("{width} columns, as the header names"), count.to_string())
+        Flaw::new(FaultKind::Malformed, format!("{width} columns, {has}"), count.to_string())
     }
 
     /// The number at the start of `rest`, and the text after the separator that follows it.

@@ -5,7 +5,7 @@
 //! yields three numbers. A line `sep=;` states it. The decimal mark is a point, or a comma if the comma does not
 //! separate columns; the first coordinate with a mark determines it. A header may name the columns x, y and z, in any
 //! order and case, and their unit. It may be a comment, and a row of units may follow it. Without a header, x, y and z
-//! are the first three columns. Every line after a header must have as many columns as the header. A line with one
+//! are the first three columns. Every line must have as many columns as the header or the first line. A line with one
 //! whole number before the points is their count, as in PTS. Lines that are blank or begin with `#` or `//` are
 //! comments.
 //!
@@ -13,28 +13,43 @@
 
 mod ambiguity;
 mod evidence;
-mod header;
 mod layout;
+mod probe;
+mod table_header;
 
-pub(super) use layout::Layout;
-
-use super::blocks::{Block, BlockReader, Emitted, Unit};
-use super::fault::{Fault, FaultKind, Flaw};
-use super::lines::{Lines, trimmed, trimmed_start};
-use super::splitter::{BlockSplitter, any_line};
+use super::extremes::Extremes;
+use super::fault::{FaultKind, Flaw, ReadError};
+use super::input::Input;
+use super::words::{trimmed, trimmed_start};
 use super::{Format, Notes, Sink, Summary};
 use crate::surface;
 use ambiguity::Ambiguity;
-use header::Header;
-use layout::Separator;
+use layout::{Layout, Separator};
+use probe::{Probe, Verdict};
 use std::borrow::Cow;
+use table_header::Header;
 
-/// The reader of points in text.
-#[derive(Debug)]
-pub(super) struct Reader {
-    lines: Lines,
-    table: Table,
-    splitter: BlockSplitter,
+/// Reads points in text.
+pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+    let mut table = Table::default();
+    input.each_line(|line, number| table.line(line, number, sink))?;
+    table.probe.flush(&mut table.points, &mut table.extremes, sink);
+    if let Some(flaw) = table.probe.flaw(table.points) {
+        return Err(flaw.into());
+    }
+    if table.points == 0 {
+        return Err(Flaw::new(FaultKind::Empty, "three numbers", "the end of the file").at_line(input.number_at_end()).into());
+    }
+    if let Some((count, line)) = table.count.filter(|(count, _)| *count != table.points) {
+        let found = format!("{} lines of data; either points are missing or too many, or the line is no count", table.points);
+        return Err(Flaw::new(FaultKind::Ambiguous, format!("{count} points, as this line counts them"), found).at_line(line).into());
+    }
+    let has_mark = table.layout.is_some_and(|layout| layout.mark.is_some());
+    if let Some((flaw, line)) = table.ambiguity.as_ref().and_then(|ambiguity| ambiguity.flaw(table.points, has_mark)) {
+        return Err(flaw.at_line(line).into());
+    }
+    let notes = Notes { further_columns: table.further_columns, far_outside: table.extremes.far_outside(), ..Notes::default() };
+    Ok(Summary { format: Format::Text, points: table.points, facets: 0, unit: table.unit, notes })
 }
 
 #[derive(Debug, Default)]
@@ -49,126 +64,17 @@ struct Table {
     count: Option<(u64, u64)>,
     layout: Option<Layout>,
     ambiguity: Option<Ambiguity>,
+    probe: Probe,
+    extremes: Extremes,
     points: u64,
     further_columns: u64,
 }
 
-impl Reader {
-    pub(super) fn new(block: usize) -> Self {
-        Self { lines: Lines::after(0), table: Table::default(), splitter: BlockSplitter::new(block, any_line) }
-    }
-
-    pub(super) fn finish<S: Sink>(mut self, sink: &mut S) -> Result<Summary, Fault> {
-        self.lines.finish(|line, number| self.table.line(line, number, sink))?;
-        let table = self.table;
-        if table.points == 0 {
-            return Err(Flaw::new(FaultKind::Empty, "three numbers", "the end of the file").at_line(self.lines.number()));
-        }
-        if let Some((count, line)) = table.count.filter(|(count, _)| *count != table.points) {
-            let found = format!("{} lines of data; either points are missing or too many, or the line is no count", table.points);
-            return Err(Flaw::new(FaultKind::Ambiguous, format!("{count} points, as this line counts them"), found).at_line(line));
-        }
-        let has_mark = table.layout.is_some_and(|layout| layout.mark.is_some());
-        if let Some((flaw, line)) = table.ambiguity.as_ref().and_then(|ambiguity| ambiguity.flaw(table.points, has_mark)) {
-            return Err(flaw.at_line(line));
-        }
-        let notes = Notes { further_columns: table.further_columns, ..Notes::default() };
-        Ok(Summary { format: Format::Text, points: table.points, facets: 0, unit: table.unit, notes })
-    }
-}
-
-impl BlockReader for Reader {
-    type Job = Job;
-    type Run = Run;
-
-    /// A block, once the lines before it have determined the layout. The whole text must be read this way.
-    fn next_unit<'a>(&mut self, chunk: &mut &'a [u8]) -> Result<Option<Unit<'a, Job>>, Fault> {
-        let Some(bytes) = self.splitter.next(chunk) else { return Ok(None) };
-        Ok(Some(match self.table.job() {
-            Some(job) => Unit::Block(Block { bytes, job }),
-            None => Unit::Serial(bytes.into()),
-        }))
-    }
-
-    fn rest(&mut self) -> Vec<u8> {
-        self.splitter.rest()
-    }
-
-    /// Adds the points of a block, unless its decimal mark differs from the file's.
-    fn link(&mut self, run: &mut Run, _: &[u8]) -> bool {
-        let table = &mut self.table;
-        let Some(layout) = &mut table.layout else { return false };
-        // Whole numbers are the same with either mark.
-        if layout.mark.is_some() && run.mark.is_some() && layout.mark != run.mark {
-            return false;
-        }
-        layout.mark = layout.mark.or(run.mark);
-        table.points += run.points.len() as u64;
-        if let (Some(ambiguity), Some(more)) = (&mut table.ambiguity, &run.ambiguity) {
-            ambiguity.add(more);
-        }
-        self.lines.skip(run.lines);
-        true
-    }
-
-    fn parse(bytes: &[u8], job: Job) -> Option<Run> {
-        struct Points(Vec<[f64; 3]>);
-        impl Sink for Points {
-            fn point(&mut self, point: [f64; 3]) {
-                self.0.push(point);
-            }
-            fn facet(&mut self, _: [[f64; 3]; 3]) {}
-        }
-        let mut lines = Lines::after(0);
-        let mut table = Table { layout: Some(job.layout), ambiguity: job.ambiguity, ..Table::default() };
-        let mut points = Points(Vec::with_capacity(bytes.len() / 16));
-        lines.push(bytes, |line, number| table.line(line, number, &mut points)).ok()?;
-        let mark = table.layout.and_then(|layout| layout.mark);
-        Some(Run { lines: lines.ended(), points: points.0, mark, ambiguity: table.ambiguity })
-    }
-
-    fn emit<S: Sink>(&self, run: &Run, _: &[u8], sink: &mut S) -> Emitted {
-        for point in &run.points {
-            sink.point(*point);
-        }
-        Emitted::default()
-    }
-
-    fn push<S: Sink>(&mut self, chunk: &[u8], sink: &mut S) -> Result<(), Fault> {
-        self.lines.push(chunk, |line, number| self.table.line(line, number, sink))
-    }
-}
-
-/// The assumptions with which a block of lines is parsed.
-#[derive(Debug)]
-pub(super) struct Job {
-    /// The layout so far; without a decimal mark if the lines before have only whole numbers.
-    layout: Layout,
-    /// The interpretations that the block may rule out.
-    ambiguity: Option<Ambiguity>,
-}
-
-/// The points of a block.
-#[derive(Debug)]
-pub(super) struct Run {
-    lines: u64,
-    points: Vec<[f64; 3]>,
-    /// The decimal mark, if one is known at the end of the block.
-    mark: Option<u8>,
-    ambiguity: Option<Ambiguity>,
-}
-
 impl Table {
-    /// The assumptions for the following lines, once the layout is known and enough lines of a table without a header
-    /// have been examined.
-    fn job(&self) -> Option<Job> {
-        let layout = self.layout.filter(|_| !self.ambiguity.as_ref().is_some_and(Ambiguity::needs_lines))?;
-        Some(Job { layout, ambiguity: self.ambiguity.as_ref().filter(|_| layout.mark.is_none()).map(Ambiguity::of_more_lines) })
-    }
-
-    fn line<S: Sink>(&mut self, line: &[u8], number: u64, sink: &mut S) -> Result<(), Flaw> {
+    fn line(&mut self, line: &[u8], number: u64, sink: &mut dyn Sink) -> Result<(), Flaw> {
         let content = trimmed_start(line);
         if content.is_empty() {
+            self.probe.blank();
             return Ok(());
         }
         if content[0] == b'#' || content.starts_with(b"//") {
@@ -188,14 +94,30 @@ impl Table {
             if matches!(cleaned, Cow::Owned(_)) && self.layout.is_some_and(|layout| layout.separator == Separator::Blanks) {
                 refuse_mixed_blanks(line)?;
             }
-            self.points += 1;
-            sink.point(point);
+            self.pass(point, line, number, sink)?;
             return Ok(());
         };
         if let Some(ambiguity) = &mut self.ambiguity {
             ambiguity.look_at(&without_hard_blanks(line));
         }
+        self.pass(point, line, number, sink)
+    }
+
+    /// Passes the point of a line on, unless it may be a line before a grid.
+    fn pass(&mut self, point: [f64; 3], line: &[u8], number: u64, sink: &mut dyn Sink) -> Result<(), Flaw> {
+        if self.probe.is_open() && self.header.is_none() && self.count.is_none() {
+            match self.probe.add(point, number) {
+                Verdict::Held => return Ok(()),
+                Verdict::Points => self.probe.flush(&mut self.points, &mut self.extremes, sink),
+                Verdict::Grid => {
+                    // Only the lines after the header show what the columns are.
+                    let layout = self.layout.unwrap_or_else(|| unreachable!("the first point has set it"));
+                    self.ambiguity = Some(Ambiguity::about(line, layout.separator, number)?);
+                }
+            }
+        }
         self.points += 1;
+        self.extremes.add(point, number);
         sink.point(point);
         Ok(())
     }
@@ -227,7 +149,9 @@ impl Table {
             let fields = separator.fields(line).count();
             let header = self.header.or_else(|| self.comment.filter(|comment| comment.width == fields || comment.width == 3));
             let columns = header.map_or([(0, 0), (1, 1), (2, 2)], |header| header.columns);
-            let mut layout = Layout { separator: *separator, mark: None, columns, width: self.header.map(|header| header.width) };
+            let is_last_empty = fields > 3 && separator.fields(line).last().is_some_and(<[u8]>::is_empty);
+            let width = self.header.map_or(fields - usize::from(is_last_empty), |header| header.width);
+            let mut layout = Layout { separator: *separator, mark: None, columns, width, is_named: self.header.is_some() };
             match layout.point(line) {
                 Ok(point) => {
                     if header.is_none() && self.count.is_none() {

@@ -3,7 +3,7 @@
 use super::super::decimal::unbounded;
 use super::super::fault::{Fault, FaultKind, Flaw};
 use super::model::{Model, Object, Reference, Transform, is_bounded};
-use crate::cancellation::CancelFlag;
+use super::volumes::Volumes;
 use crate::surface::Sink;
 use std::collections::HashMap;
 
@@ -14,6 +14,9 @@ const DEEPEST: usize = 32;
 /// their depth.
 const MOST_PLACED: u64 = 100_000;
 
+/// The largest number of volumes that are named.
+const MOST_NAMED: usize = 10;
+
 /// The build of a package.
 pub(super) struct Build<'a> {
     models: &'a HashMap<String, Model>,
@@ -21,14 +24,32 @@ pub(super) struct Build<'a> {
     facets: u64,
     placed: u64,
     left_out: u64,
-    cancel: &'a CancelFlag,
+    /// The path of the root model in lower case, to which the settings refer.
+    root: String,
+    settings: &'a Volumes,
+    /// The volumes that were left out, each once.
+    volumes: Vec<String>,
 }
 
 impl<'a> Build<'a> {
     /// The build of `models`, by their paths in lower case, with at most four facets for each vertex that a package
     /// may have.
-    pub(super) fn new(models: &'a HashMap<String, Model>, vertex_limit: usize, cancel: &'a CancelFlag) -> Self {
-        Self { models, most_facets: (vertex_limit as u64).saturating_mul(4), facets: 0, placed: 0, left_out: 0, cancel }
+    pub(super) fn new(models: &'a HashMap<String, Model>, root: &str, settings: &'a Volumes, vertex_limit: usize) -> Self {
+        let most_facets = (vertex_limit as u64).saturating_mul(4);
+        Self { models, most_facets, facets: 0, placed: 0, left_out: 0, root: root.to_lowercase(), settings, volumes: Vec::new() }
+    }
+
+    /// The volumes that were left out.
+    pub(super) fn into_volumes(self) -> Vec<String> {
+        self.volumes
+    }
+
+    fn note(&mut self, volumes: impl IntoIterator<Item = String>) {
+        for volume in volumes {
+            if self.volumes.len() < MOST_NAMED && !self.volumes.contains(&volume) {
+                self.volumes.push(volume);
+            }
+        }
     }
 
     /// Facets passed to the sink.
@@ -42,11 +63,11 @@ impl<'a> Build<'a> {
     }
 
     /// Places the build items of the model of this path.
-    pub(super) fn place_all<S: Sink>(&mut self, path: &str, items: &[Reference], sink: &mut S) -> Result<(), Fault> {
+    pub(super) fn place_all(&mut self, path: &str, items: &[Reference], sink: &mut dyn Sink) -> Result<(), Fault> {
         items.iter().try_for_each(|item| self.place(path, item, &Transform::IDENTITY, 0, sink))
     }
 
-    fn place<S: Sink>(&mut self, path: &str, reference: &Reference, outer: &Transform, depth: usize, sink: &mut S) -> Result<(), Fault> {
+    fn place(&mut self, path: &str, reference: &Reference, outer: &Transform, depth: usize, sink: &mut dyn Sink) -> Result<(), Fault> {
         let at = |flaw: Flaw| flaw.in_entry(path, 0);
         self.placed += 1;
         if depth > DEEPEST || self.placed > MOST_PLACED {
@@ -61,13 +82,31 @@ impl<'a> Build<'a> {
             self.left_out += 1;
             return Ok(());
         }
+        if !reference.is_printable {
+            self.note([format!("the object {}, which is not printable", reference.object)]);
+            return Ok(());
+        }
         let transform = reference.transform.then(outer);
-        self.place_mesh(object, &transform, sink).map_err(at)?;
-        object.components.iter().try_for_each(|component| self.place(path, component, &transform, depth + 1, sink))
+        let settings = self.settings;
+        let is_root = path.to_lowercase() == self.root;
+        let ranges = if is_root { settings.triangles(reference.object) } else { Vec::new() };
+        if is_root {
+            self.note(settings.names(reference.object));
+        }
+        self.place_mesh(object, &ranges, &transform, sink).map_err(at)?;
+        let is_part = |component: &&Reference| !(is_root && settings.excludes(reference.object, component.object));
+        object.components.iter().filter(is_part).try_for_each(|component| self.place(path, component, &transform, depth + 1, sink))
     }
 
-    fn place_mesh<S: Sink>(&mut self, object: &Object, transform: &Transform, sink: &mut S) -> Result<(), Flaw> {
-        self.facets += object.triangles.len() as u64;
+    /// Places the triangles of an object that are not in one of `excluded` ranges.
+    fn place_mesh(&mut self, object: &Object, excluded: &[[usize; 2]], transform: &Transform, sink: &mut dyn Sink) -> Result<(), Flaw> {
+        let mut is_part = vec![true; if excluded.is_empty() { 0 } else { object.triangles.len() }];
+        for [first, last] in excluded {
+            let end = last.saturating_add(1).min(is_part.len());
+            is_part[(*first).min(end)..end].fill(false);
+        }
+        let left_out = is_part.iter().filter(|is_part| !**is_part).count();
+        self.facets += (object.triangles.len() - left_out) as u64;
         if self.facets > self.most_facets {
             return Err(Flaw::new(
                 FaultKind::TooLarge,
@@ -77,9 +116,9 @@ impl<'a> Build<'a> {
         }
         // A reflection reverses the facets' orientation; the reverse order of their corners restores it.
         let is_reflection = transform.determinant() < 0.0;
-        for triangle in &object.triangles {
-            if self.cancel.is_cancelled() {
-                return Ok(());
+        for (index, triangle) in object.triangles.iter().enumerate() {
+            if !is_part.get(index).copied().unwrap_or(true) {
+                continue;
             }
             let [a, b, c] = triangle.map(|vertex| transform.apply(object.vertices[vertex as usize]));
             if ![a, b, c].into_iter().all(is_bounded) {

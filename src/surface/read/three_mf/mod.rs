@@ -6,23 +6,32 @@
 //! components place them. Objects of the types `support` and `other` are not part of the surface and are counted. The
 //! summary has the model's unit, and every coordinate is in that unit.
 //!
+//! A slicer's settings in the package may exclude volumes of an object from the part: modifiers, support blockers and
+//! enforcers are left out and named; a negative volume is refused. Build items that are not printable are left out.
+//!
+//! A ZIP archive of one file that is not a package is read as that file.
+//!
 //! The core specification and its production extension (models in several files) are read. Extensions that do not
 //! change the surface, such as materials, are ignored; a model that requires any other extension is refused.
 
 mod build;
 mod cycle;
 mod model;
+mod volumes;
 mod xml;
+mod zipped;
 
-use super::fault::{Fault, FaultKind, Flaw};
-use super::{Format, Notes, Sink, Summary};
+use super::fault::{FaultKind, Flaw, ReadError};
+use super::input::Input;
+use super::{Format, Notes, Reader, Sink, Summary};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
-use crate::cancellation::CancelFlag;
 use build::Build;
 use cycle::refuse_cycles;
 use model::{Model, Room};
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
+use volumes::Volumes;
 use xml::Event;
 
 /// The default limit on the size of a compressed 3MF file, in bytes;
@@ -32,64 +41,58 @@ pub const DEFAULT_ARCHIVE_LIMIT: usize = 256 << 20;
 /// The limits of a package: 2 GiB of decompressed XML are some 25 million facets.
 const LIMITS: ArchiveLimits = ArchiveLimits { entries: 10_000, inflated_bytes: 2 << 30 };
 
-/// The reader of 3MF.
-#[derive(Debug)]
-pub(super) struct Reader {
-    bytes: Vec<u8>,
-    limit: usize,
-    vertex_limit: usize,
+/// Reads a 3MF file, or the only file of another ZIP archive, within the limits of `reader`.
+pub(super) fn read(input: &mut Input, reader: Reader, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+    let (limit, vertex_limit) = (reader.archive_limit, reader.package_vertex_limit);
+    let Some(bytes) = input.rest_within(limit)? else {
+        let flaw = Flaw::new(FaultKind::TooLarge, format!("a 3MF file of at most {limit} bytes"), "a larger one");
+        return Err(flaw.at_byte(limit as u64).into());
+    };
+    let archive = Archive::open(&bytes, LIMITS).map_err(|fault| package_flaw(&fault).at_byte(0))?;
+    let mut package = Package { archive, input };
+    let Some(root) = root_model(&mut package)? else { return zipped::read(&mut package, reader, sink) };
+    let volumes = Volumes::read(&mut package)?;
+    let mut room = Room::for_vertices(vertex_limit);
+    let model = Model::read(&mut package, &root, &mut room)?;
+    let unit = model.unit;
+    let items = model.items.clone();
+    let mut models = HashMap::from([(root.to_lowercase(), model)]);
+    // Models in other files that build items and components refer to. The models that these refer to are read in
+    // the next round.
+    let mut wanted = models_named_by(&models[&root.to_lowercase()]);
+    while let Some(path) = wanted.pop() {
+        if models.contains_key(&path.to_lowercase()) {
+            continue;
+        }
+        let part = Model::read(&mut package, &path, &mut room)?;
+        if part.unit != unit {
+            return Err(Flaw::new(FaultKind::Malformed, "one unit in all models of the package", "another").in_entry(&path, 0).into());
+        }
+        wanted.extend(models_named_by(&part));
+        models.insert(path.to_lowercase(), part);
+    }
+    refuse_cycles(&models, &root, &items)?;
+    let mut build = Build::new(&models, &root, &volumes, vertex_limit);
+    build.place_all(&root, &items, sink)?;
+    if build.facets() == 0 {
+        return Err(Flaw::new(FaultKind::Empty, "a build item with a mesh", "none").in_entry(&root, 0).into());
+    }
+    let facets = build.facets();
+    let notes = Notes { other_elements: build.left_out(), volumes: build.into_volumes(), ..Notes::default() };
+    Ok(Summary { format: Format::ThreeMf, points: 0, facets, unit: Some(unit), notes })
 }
 
-impl Reader {
-    pub(super) fn new(archive_limit: usize, vertex_limit: usize) -> Self {
-        Self { bytes: Vec::new(), limit: archive_limit, vertex_limit }
-    }
+/// The files of a package, and the input that they came from, which ends reading when nobody waits for the result.
+struct Package<'a, 'b> {
+    archive: Archive<'a>,
+    input: &'a mut Input<'b>,
+}
 
-    pub(super) fn push(&mut self, chunk: &[u8]) -> Result<(), Fault> {
-        if self.bytes.len() + chunk.len() > self.limit {
-            let expected = format!("a 3MF file of at most {} bytes", self.limit);
-            return Err(Flaw::new(FaultKind::TooLarge, expected, "a larger one").at_byte(self.limit as u64));
-        }
-        self.bytes.extend_from_slice(chunk);
-        Ok(())
-    }
-
-    /// The memory held, in bytes.
-    pub(super) fn held_bytes(&self) -> usize {
-        self.bytes.capacity()
-    }
-
-    /// Once `cancel` is set, reading returns early, with any result.
-    pub(super) fn finish<S: Sink>(self, sink: &mut S, cancel: &CancelFlag) -> Result<Summary, Fault> {
-        let archive = Archive::open(&self.bytes, LIMITS).map_err(|fault| package_flaw(&fault).at_byte(0))?.until(cancel);
-        let root = root_model(&archive)?;
-        let mut room = Room::for_vertices(self.vertex_limit);
-        let model = Model::read(&archive, &root, &mut room)?;
-        let unit = model.unit;
-        let items = model.items.clone();
-        let mut models = HashMap::from([(root.to_lowercase(), model)]);
-        // Models in other files that build items and components refer to. The models that these refer to are read in
-        // the next round.
-        let mut wanted = models_named_by(&models[&root.to_lowercase()]);
-        while let Some(path) = wanted.pop() {
-            if models.contains_key(&path.to_lowercase()) {
-                continue;
-            }
-            let part = Model::read(&archive, &path, &mut room)?;
-            if part.unit != unit {
-                return Err(Flaw::new(FaultKind::Malformed, "one unit in all models of the package", "another").in_entry(&path, 0));
-            }
-            wanted.extend(models_named_by(&part));
-            models.insert(path.to_lowercase(), part);
-        }
-        refuse_cycles(&models, &root, &items)?;
-        let mut build = Build::new(&models, self.vertex_limit, cancel);
-        build.place_all(&root, &items, sink)?;
-        if build.facets() == 0 {
-            return Err(Flaw::new(FaultKind::Empty, "a build item with a mesh", "none").in_entry(&root, 0));
-        }
-        let notes = Notes { other_elements: build.left_out(), ..Notes::default() };
-        Ok(Summary { format: Format::ThreeMf, points: 0, facets: build.facets(), unit: Some(unit), notes })
+impl Package<'_, '_> {
+    /// The path in the archive of a part of this name, which may have percent escapes.
+    fn file(&self, name: &str) -> Option<&str> {
+        let decoded = || -> Cow<'_, str> { percent_encoding::percent_decode_str(name).decode_utf8_lossy() };
+        self.archive.file(name).or_else(|| self.archive.file(&decoded()))
     }
 }
 
@@ -97,12 +100,12 @@ fn models_named_by(model: &Model) -> Vec<Arc<str>> {
     model.references().filter_map(|reference| reference.path.clone()).collect()
 }
 
-/// The path of the package's root model, by its relationships.
-fn root_model(archive: &Archive) -> Result<Arc<str>, Fault> {
+/// The path of the package's root model, by its relationships; `None` for an archive that is not a package.
+fn root_model(package: &mut Package) -> Result<Option<Arc<str>>, ReadError> {
     let relationships = "_rels/.rels";
-    if archive.file(relationships).is_some() {
+    if package.archive.file(relationships).is_some() {
         let mut target = None;
-        xml::read(archive, relationships, |event| {
+        xml::read(package, relationships, |event| {
             if let Event::Start(element) = event
                 && element.name() == "Relationship"
                 && element.attribute("Type").is_some_and(|kind| kind.ends_with("/3dmodel"))
@@ -112,17 +115,10 @@ fn root_model(archive: &Archive) -> Result<Arc<str>, Fault> {
             Ok(())
         })?;
         if let Some(target) = target {
-            return Ok(target.trim_start_matches('/').into());
+            return Ok(Some(target.trim_start_matches('.').trim_start_matches('/').into()));
         }
     }
-    let found = match () {
-        () if archive.file("3D/3dmodel.model").is_some() => return Ok("3D/3dmodel.model".into()),
-        () if archive.file("xl/workbook.xml").is_some() => "an Excel workbook; save the points as CSV",
-        () if archive.file("word/document.xml").is_some() => "a Word document",
-        () if archive.file("Document.xml").is_some() => "a FreeCAD document; export the surface as STL or 3MF",
-        () => "a ZIP archive that is not a 3MF package; send the file itself",
-    };
-    Err(Flaw::new(FaultKind::UnknownFormat, super::format::EXPECTED, found).at_byte(0))
+    Ok(package.archive.file("3D/3dmodel.model").map(Into::into))
 }
 
 fn package_flaw(fault: &ArchiveFault) -> Flaw {

@@ -2,10 +2,10 @@
 
 use super::super::LARGEST_COORDINATE;
 use super::super::decimal::coordinate;
-use super::super::fault::{Fault, FaultKind, Flaw, quoted};
-use super::super::mesh::too_many_vertices;
+use super::super::faces::too_many_vertices;
+use super::super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::Package;
 use super::xml::{self, Element, Event};
-use crate::archive::Archive;
 use crate::surface::Unit;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -47,6 +47,8 @@ pub(super) struct Reference {
     /// The model file of the object, if it is another file.
     pub(super) path: Option<Arc<str>>,
     pub(super) transform: Transform,
+    /// Whether a slicer's build item is printed.
+    pub(super) is_printable: bool,
 }
 
 /// An affine map of row vectors: (x, y, z, 1) multiplied by a matrix of four rows and three columns, stored row by row.
@@ -147,10 +149,10 @@ enum Context {
 
 impl Model {
     /// Reads the model file of this path.
-    pub(super) fn read(archive: &Archive, path: &str, room: &mut Room) -> Result<Self, Fault> {
+    pub(super) fn read(package: &mut Package, path: &str, room: &mut Room) -> Result<Self, ReadError> {
         let model = Self { unit: Unit::Millimetre, objects: HashMap::new(), items: Vec::new() };
         let mut parser = Parser { model, room, contexts: Vec::new(), object: None };
-        xml::read(archive, path, |event| match event {
+        xml::read(package, path, |event| match event {
             Event::Start(element) => parser.start(&element),
             Event::End => parser.end(),
         })?;
@@ -319,7 +321,8 @@ impl Parser<'_> {
 fn reference(element: &Element) -> Result<Reference, Flaw> {
     let transform = element.attribute("transform").map_or(Ok(Transform::IDENTITY), |text| Transform::stated(&text))?;
     let path = element.attribute("path").map(|path| path.trim_start_matches('/').into());
-    Ok(Reference { object: number(element, "objectid")?, path, transform })
+    let is_printable = element.attribute("printable").is_none_or(|printable| printable.trim() != "0");
+    Ok(Reference { object: number(element, "objectid")?, path, transform, is_printable })
 }
 
 fn number(element: &Element, attribute: &'static str) -> Result<u32, Flaw> {

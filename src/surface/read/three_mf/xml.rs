@@ -1,8 +1,8 @@
 //! Elements of an XML file in an archive, read as a stream in bounded memory.
 
-use super::super::fault::{Fault, FaultKind, Flaw, quoted};
-use super::package_flaw;
-use crate::archive::Archive;
+use super::super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::{Package, package_flaw};
+use crate::archive::ArchiveLimits;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event as Parsed};
 use std::borrow::Cow;
@@ -24,15 +24,23 @@ pub(super) enum Event<'a> {
 /// An element with its attributes.
 pub(super) struct Element<'a>(BytesStart<'a>);
 
+/// The number of elements between two checks whether reading may go on.
+const ELEMENTS_AT_ONCE: usize = 1 << 14;
+
 /// Passes the elements of a file to `each`.
-pub(super) fn read(archive: &Archive, path: &str, mut each: impl FnMut(Event<'_>) -> Result<(), Flaw>) -> Result<(), Fault> {
+pub(super) fn read(package: &mut Package, path: &str, mut each: impl FnMut(Event<'_>) -> Result<(), Flaw>) -> Result<(), ReadError> {
     let missing = || Flaw::new(FaultKind::Malformed, "this file in the package", "nothing").in_entry(path, 0);
-    let entry = archive.file(path).ok_or_else(missing)?;
-    let content = archive.read(entry).map_err(|fault| package_flaw(&fault).in_entry(path, 0))?;
+    let entry = package.file(path).ok_or_else(missing)?.to_owned();
+    let Package { archive, input } = package;
+    let limits = archive.limits();
+    let content = archive.read(&entry).map_err(|fault| package_flaw(&fault).in_entry(path, 0))?;
     let mut reader = Reader::from_reader(Metered { inner: BufReader::with_capacity(1 << 16, content), read: 0 });
     reader.config_mut().expand_empty_elements = true;
     let (mut buffer, mut depth) = (Vec::new(), 0);
-    loop {
+    for count in 1_usize.. {
+        if count.is_multiple_of(ELEMENTS_AT_ONCE) {
+            input.check()?;
+        }
         buffer.clear();
         reader.get_mut().read = 0;
         let position = reader.buffer_position();
@@ -49,21 +57,22 @@ pub(super) fn read(archive: &Archive, path: &str, mut each: impl FnMut(Event<'_>
                 each(Event::End)
             }
             Ok(Parsed::Eof) if depth > 0 => Err(Flaw::new(FaultKind::Truncated, "the end of every element", "the end of the file")),
-            Ok(Parsed::Eof) => return Ok(()),
+            Ok(Parsed::Eof) => break,
             Ok(Parsed::DocType(_)) => Err(Flaw::new(FaultKind::Malformed, "no document type definition", "one")),
             Ok(_) => Ok(()),
-            Err(error) => Err(flaw(archive, &error)),
+            Err(error) => Err(flaw(limits, &error)),
         };
         result.map_err(|flaw| flaw.in_entry(path, position))?;
     }
+    Ok(())
 }
 
-fn flaw(archive: &Archive, error: &quick_xml::Error) -> Flaw {
+fn flaw(limits: ArchiveLimits, error: &quick_xml::Error) -> Flaw {
     match error {
         quick_xml::Error::Io(error) if error.kind() == io::ErrorKind::QuotaExceeded => {
             Flaw::new(FaultKind::TooLarge, format!("at most {LONGEST_EVENT} bytes in a tag or text"), "more")
         }
-        quick_xml::Error::Io(error) => package_flaw(&archive.fault(error)),
+        quick_xml::Error::Io(error) => package_flaw(&limits.fault(error)),
         error => Flaw::new(FaultKind::Malformed, "well-formed XML", quoted(error.to_string().as_bytes())),
     }
 }
@@ -74,9 +83,11 @@ impl Element<'_> {
         local(self.0.name().into_inner())
     }
 
-    /// The value of the attribute of this name, with any prefix.
+    /// The value of the attribute of this name, with any prefix, without entities.
     pub(super) fn attribute(&self, name: &str) -> Option<String> {
-        self.attributes().find(|(key, _)| local(key) == name).map(|(_, value)| value.into_owned())
+        let (_, value) = self.attributes().find(|(key, _)| local(key) == name)?;
+        // A value with a damaged entity is taken as it is.
+        Some(quick_xml::escape::unescape(&value).map_or_else(|_| value.to_string(), Cow::into_owned))
     }
 
     /// All attributes, with their prefixes.

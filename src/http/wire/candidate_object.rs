@@ -1,0 +1,101 @@
+//! The cutters to choose from, each with its drive if stated: teeth, spindle speed and the limit on the feed per tooth.
+
+use super::cutter_object::{TEETH, kinds_schema, read_geometry};
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, Object, Quantity, Whole, describe, members, text};
+use crate::planning::zigzag::{CandidateCutter, Drive};
+use crate::quantity::{Length, SpindleSpeed};
+use crate::tooling::LibraryTool;
+use serde_json::value::RawValue;
+use utoipa::openapi::schema::{ObjectBuilder, Type};
+use utoipa::openapi::{RefOr, Schema};
+
+/// The largest number of cutters in a request, including those of its tool libraries.
+pub(crate) const MOST_CUTTERS: usize = 200;
+
+/// A cutter to choose from, with its name if it has one.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct NamedCandidate {
+    pub(crate) name: Option<String>,
+    /// The preset of a tool library from which speed and feed were taken.
+    pub(crate) preset: Option<String>,
+    pub(crate) candidate: CandidateCutter,
+}
+
+impl From<LibraryTool> for NamedCandidate {
+    fn from(tool: LibraryTool) -> Self {
+        // Spindle speeds of libraries are within the bounds, except speeds under 0.001 rpm.
+        let spindle_speed = tool.spindle_speed_rpm.and_then(|rpm| SpindleSpeed::from_rpm(rpm).ok());
+        let drive = drive(tool.teeth, spindle_speed, tool.max_feed_per_tooth);
+        let candidate = CandidateCutter { drive, flute_length: tool.flute_length, ..CandidateCutter::new(tool.cutter) };
+        Self { name: Some(tool.name), preset: tool.preset, candidate }
+    }
+}
+
+/// The drive of a cutter that states teeth and spindle speed.
+fn drive(teeth: Option<u32>, spindle_speed: Option<SpindleSpeed>, max_feed_per_tooth: Option<Length>) -> Option<Drive> {
+    teeth.zip(spindle_speed).map(|(teeth, spindle_speed)| Drive { teeth, spindle_speed, max_feed_per_tooth })
+}
+
+members! {
+    /// The optional members of a candidate, without its geometry.
+    struct CandidateMembers {
+        name: optional NAME: Name = ("name", Name, "a name for the cutter, which the answer repeats"),
+        teeth: optional TEETH: Whole,
+        spindle_speed: optional SPINDLE_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
+            "n, the spindle speed; with teeth, the scallop height includes the tooth marks, and step-over and feed are chosen together"),
+        max_feed_per_tooth: optional MAX_FEED_PER_TOOTH: Quantity<Length> = ("max_feed_per_tooth_mm", Quantity::length(0.12),
+            "the manufacturer's limit on the feed per tooth; used if teeth and spindle_speed_rpm are given"),
+        flute_length: optional FLUTE_LENGTH: Quantity<Length> = ("flute_length_mm", Quantity::length(22.0),
+            "the length of the flutes; the answer has a warning if the surface is deeper than this"),
+    }
+}
+
+/// A cutter to choose from, discriminated by `type`.
+pub(crate) struct CandidateKind;
+
+impl Kind for CandidateKind {
+    type Value = NamedCandidate;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<NamedCandidate, Faulted> {
+        let mut object = Object::open(raw, path, faults)?;
+        let cutter = read_geometry(&mut object, faults);
+        let members = CandidateMembers::read(&mut object, faults);
+        object.close(faults)?;
+        let CandidateMembers { name, teeth, spindle_speed, max_feed_per_tooth, flute_length } = members;
+        let drive = drive(teeth?, spindle_speed?, max_feed_per_tooth?);
+        let candidate = CandidateCutter { drive, flute_length: flute_length?, ..CandidateCutter::new(cutter?) };
+        Ok(NamedCandidate { name: name?, preset: None, candidate })
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        const ABOUT: &str = "A cutter to choose from, one of three kinds, discriminated by type";
+        let names = ["CandidateCutter", "ToroidalCandidate", "BallEndCandidate", "FlatEndCandidate"];
+        kinds_schema(names, ABOUT, &CandidateMembers::describe, about, components)
+    }
+}
+
+/// A text of 1 to [`Name::LONGEST`] characters.
+struct Name;
+
+impl Name {
+    const LONGEST: usize = 100;
+}
+
+impl Kind for Name {
+    type Value = String;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
+        let name = text(raw, path, faults)?;
+        if (1..=Self::LONGEST).contains(&name.chars().count()) {
+            return Ok(name);
+        }
+        let detail = format_args!("a name must have 1 to {} characters, found {}", Self::LONGEST, describe(raw));
+        Err(faults.add(&path, RequestFault::OutOfRange, detail))
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        let schema = ObjectBuilder::new().schema_type(Type::String).description(Some(about));
+        schema.min_length(Some(1)).max_length(Some(Self::LONGEST)).examples(["T3"]).into()
+    }
+}

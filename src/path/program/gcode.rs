@@ -1,0 +1,264 @@
+//! G-code: the words that people's controls have in common. What changes the geometry and is not followed is a fault.
+
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded before the conversion")]
+
+use super::arc::{Arc, Centre};
+use super::block::{Word, words};
+use super::collected::Collected;
+use super::faults::FaultKind;
+use super::points::{ProgramPoint, Reached};
+
+/// How axis words without another code move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Motion {
+    Rapid,
+    Straight,
+    Clockwise,
+    CounterClockwise,
+}
+
+/// What holds from block to block.
+#[allow(clippy::struct_excessive_bools, reason = "each is a modal state of its own")]
+struct State {
+    motion: Option<Motion>,
+    /// First, second and third axis of the arcs' plane.
+    plane: [usize; 3],
+    millimetres: f64,
+    absolute: bool,
+    absolute_centres: bool,
+    per_revolution: bool,
+    feed: Option<f64>,
+    spindle: Option<f64>,
+    tool: u32,
+    next_tool: u32,
+    /// Unknown axes are those that have not been moved to yet, or that a reference point moved away.
+    position: [Option<f64>; 3],
+    is_new: bool,
+}
+
+/// What one block asks for.
+#[allow(clippy::struct_excessive_bools, reason = "each is a word of its own")]
+#[derive(Default)]
+struct Block {
+    axes: [Option<f64>; 3],
+    centre: [Option<f64>; 3],
+    radius: Option<f64>,
+    motion: Option<Motion>,
+    /// Its axis words are for a dwell, a reference point or machine coordinates.
+    reference: bool,
+    dwell: bool,
+    tool_change: bool,
+    first_of_arc: Option<Word>,
+}
+
+pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
+    let mut state = State {
+        motion: None,
+        plane: [0, 1, 2],
+        millimetres: 1.0,
+        absolute: true,
+        absolute_centres: false,
+        per_revolution: false,
+        feed: None,
+        spindle: None,
+        tool: 0,
+        next_tool: 0,
+        position: [None; 3],
+        is_new: true,
+    };
+    let mut block = Vec::new();
+    for (line, number) in text.lines().zip(1..) {
+        words(line, number, collected, &mut block);
+        if state.run(&block, number, sagitta, collected) {
+            break;
+        }
+    }
+}
+
+impl State {
+    /// Runs a block; true at the end of the program.
+    fn run(&mut self, words: &[Word], line: u32, sagitta: f64, collected: &mut Collected) -> bool {
+        let mut block = Block::default();
+        let mut ends = false;
+        for word in words.iter().filter(|word| word.letter == 'G') {
+            self.g(*word, &mut block, line, collected);
+        }
+        for word in words {
+            match word.letter {
+                'M' => ends |= Self::m(*word, &mut block, line, collected),
+                'X' | 'Y' | 'Z' if !block.dwell => block.axes["XYZ".find(word.letter).unwrap_or(0)] = Some(word.value * self.millimetres),
+                'I' | 'J' | 'K' => {
+                    block.first_of_arc.get_or_insert(*word);
+                    block.centre["IJK".find(word.letter).unwrap_or(0)] = Some(word.value * self.millimetres);
+                }
+                'R' => {
+                    block.first_of_arc.get_or_insert(*word);
+                    block.radius = Some(word.value * self.millimetres);
+                }
+                'F' => self.feed = Some(word.value * self.millimetres),
+                'S' if !block.dwell => self.spindle = (word.value > 0.0).then_some(word.value),
+                'T' if word.value >= 0.0 && word.value <= 1e6 => self.next_tool = word.value as u32,
+                // Offset numbers, and the parameters of a dwell and of path control.
+                'G' | 'H' | 'D' | 'P' | 'Q' | 'S' | 'E' => {}
+                'X' | 'U' if block.dwell => {}
+                'A' | 'B' | 'C' | 'U' | 'V' | 'W' => collected.fault(line, FaultKind::Axis, word.to_string()),
+                _ => collected.fault(line, FaultKind::UnknownWord, word.to_string()),
+            }
+        }
+        if block.tool_change {
+            self.tool = self.next_tool;
+            // Where the tool is changed is not told.
+            self.is_new = true;
+        }
+        self.move_to(&block, line, sagitta, collected);
+        ends
+    }
+
+    fn g(&mut self, word: Word, block: &mut Block, line: u32, collected: &mut Collected) {
+        let mut fault = |kind| collected.fault(line, kind, word.to_string());
+        let motion = match word.tenths() {
+            Some(0) => Some(Motion::Rapid),
+            Some(10) => Some(Motion::Straight),
+            Some(20) => Some(Motion::Clockwise),
+            Some(30) => Some(Motion::CounterClockwise),
+            _ => None,
+        };
+        if motion.is_some() {
+            if block.motion.is_some() && block.motion != motion {
+                fault(FaultKind::Conflict);
+            }
+            (block.motion, self.motion) = (motion, motion);
+            return;
+        }
+        match word.tenths() {
+            Some(40) => block.dwell = true,
+            Some(170) => self.plane = [0, 1, 2],
+            Some(180) => self.plane = [2, 0, 1],
+            Some(190) => self.plane = [1, 2, 0],
+            Some(200) => self.millimetres = 25.4,
+            Some(210) => self.millimetres = 1.0,
+            Some(280 | 300 | 530) => block.reference = true,
+            Some(900) => self.absolute = true,
+            Some(910) => self.absolute = false,
+            Some(901) => self.absolute_centres = true,
+            Some(911) => self.absolute_centres = false,
+            Some(940) => self.per_revolution = false,
+            Some(950) => self.per_revolution = true,
+            // Compensation off, length compensation, polar coordinates off, scaling off, work offsets, exact stop and path
+            // control, rotation off, cycle off, return levels: the geometry stays.
+            Some(90 | 150 | 400 | 430 | 490 | 500 | 540..=593 | 610 | 611 | 640 | 690 | 800 | 970 | 980 | 990) => {}
+            Some(930) => fault(FaultKind::InverseTimeFeed),
+            Some(50..=53 | 60..=63) => fault(FaultKind::Spline),
+            Some(730 | 740 | 760 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890) => fault(FaultKind::Cycle),
+            Some(650 | 660 | 670) => fault(FaultKind::Macro),
+            Some(100 | 160 | 410..=421 | 431 | 432 | 434 | 440 | 510 | 520 | 680..=682 | 920..=923) => fault(FaultKind::Transformation),
+            _ => fault(FaultKind::UnknownWord),
+        }
+    }
+
+    /// True at the end of the program.
+    fn m(word: Word, block: &mut Block, line: u32, collected: &mut Collected) -> bool {
+        match word.tenths() {
+            Some(20 | 300) => return true,
+            Some(60) => block.tool_change = true,
+            Some(0 | 10 | 30 | 40 | 50 | 70 | 80 | 90 | 190 | 480 | 490 | 600) => {}
+            Some(970..=990) => collected.fault(line, FaultKind::Macro, word.to_string()),
+            _ => collected.fault(line, FaultKind::UnknownWord, word.to_string()),
+        }
+        false
+    }
+
+    fn move_to(&mut self, block: &Block, line: u32, sagitta: f64, collected: &mut Collected) {
+        if block.dwell {
+            return;
+        }
+        let moved = |axis: usize| block.axes[axis].is_some();
+        if block.reference {
+            // Without axis words all axes leave; the way over the stated point is a rapid to it, which is not followed.
+            let all = !(0..3).any(moved);
+            (0..3).filter(|axis| all || moved(*axis)).for_each(|axis| self.position[axis] = None);
+            self.is_new = true;
+            return;
+        }
+        let is_arc = matches!(self.motion, Some(Motion::Clockwise | Motion::CounterClockwise));
+        if !((0..3).any(moved) || is_arc && block.first_of_arc.is_some()) {
+            return;
+        }
+        let Some(motion) = self.motion else {
+            collected.fault(line, FaultKind::UnknownWord, "axes without G0, G1, G2 or G3,");
+            return;
+        };
+        let before = self.position;
+        for axis in 0..3 {
+            if let Some(value) = block.axes[axis] {
+                self.position[axis] = if self.absolute { Some(value) } else { self.position[axis].map(|at| at + value) };
+            }
+        }
+        let [Some(x), Some(y), Some(z)] = self.position else {
+            if motion != Motion::Rapid {
+                collected.fault(line, FaultKind::UnknownPosition, "the block");
+            }
+            return;
+        };
+        let end = [x, y, z];
+        let start = match before {
+            [Some(x), Some(y), Some(z)] if !self.is_new => Some([x, y, z]),
+            _ => None,
+        };
+        let is_rapid = motion == Motion::Rapid;
+        let Some(start) = start else {
+            // The way to the first known point is not known, whatever moves there.
+            if is_arc {
+                collected.fault(line, FaultKind::UnknownPosition, "the block");
+            }
+            self.is_new = false;
+            self.push(end, Reached::FromUnknown, line, collected);
+            return;
+        };
+        if !is_arc {
+            if let Some(word) = block.first_of_arc {
+                collected.fault(line, FaultKind::Arc, word.to_string());
+            }
+            self.push(end, if is_rapid { Reached::Rapid } else { Reached::Feed }, line, collected);
+            return;
+        }
+        let arc = Arc { axes: self.plane, start, end, clockwise: motion == Motion::Clockwise };
+        let chords = self.centre(block, start).and_then(|centre| arc.chords(centre, sagitta));
+        let Some(points) = chords else {
+            collected.fault(line, FaultKind::Arc, block.first_of_arc.map_or_else(|| "the block".to_owned(), |word| word.to_string()));
+            return;
+        };
+        for point in points {
+            self.push(point, Reached::Feed, line, collected);
+        }
+    }
+
+    /// The arc's centre, if the block has one and words of the plane alone.
+    fn centre(&self, block: &Block, start: [f64; 3]) -> Option<Centre> {
+        let [first, second, third] = self.plane;
+        if let Some(radius) = block.radius {
+            return block.centre.iter().all(Option::is_none).then_some(Centre::Radius(radius));
+        }
+        let stated = block.centre[first].is_some() || block.centre[second].is_some();
+        if !stated || block.centre[third].is_some_and(|value| value != 0.0) {
+            return None;
+        }
+        let along = |axis: usize| {
+            let value = block.centre[axis].unwrap_or(0.0);
+            if self.absolute_centres { block.centre[axis] } else { Some(start[axis] + value) }
+        };
+        Some(Centre::At([along(first)?, along(second)?]))
+    }
+
+    fn push(&self, point: [f64; 3], reached: Reached, line: u32, collected: &mut Collected) {
+        let mut feed_rate = self.feed.filter(|feed| *feed > 0.0);
+        if self.per_revolution && reached == Reached::Feed {
+            if self.spindle.is_none() && feed_rate.is_some() {
+                collected.fault(line, FaultKind::FeedPerRevolution, "the block");
+            }
+            feed_rate = feed_rate.zip(self.spindle).map(|(feed, speed)| feed * speed);
+        }
+        let feed_rate = if reached == Reached::Feed { feed_rate } else { None };
+        collected.push(ProgramPoint { point, reached, feed_rate, line, tool: self.tool, spindle_speed: self.spindle });
+    }
+}

@@ -1,0 +1,3 @@
+//! Tool paths: their time, their programs, and what they leave.
+
+mod times;
