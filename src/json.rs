@@ -110,7 +110,7 @@ mod tests {
                 "[1,\n\n2,]",
                 "expected an object, an array, a string in double quotes, a number, true, false or null, without a comma before a closing `]` at line 3 column 3",
             ),
-            ("{\"a\":1,}", "a comma before a closing `}` or `]` at line 1 column 8"),
+            ("{\"a\":1,}", "expected the name of a member in double quotes, without a comma before a closing `}` at line 1 column 8"),
             ("{1:2}", "expected the name of a member in double quotes, without a comma before a closing `}` at line 1 column 2"),
             ("[1", "the text ends inside an array at line 1 column 2"),
             ("{", "the text ends inside an object at line 1 column 1"),

@@ -3,7 +3,6 @@
 mod api;
 mod app;
 mod laws;
-mod path;
 mod planning;
 mod readers;
 mod service;

@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     /// The result for a body of `count` pieces of `size` bytes without a stated length, and the memory held with it.
-    async fn collected(count: usize, size: usize, budget: u64) -> (Result<usize, Problem>, u64) {
+    async fn collected(count: usize, size: usize, budget: &Budget) -> (Result<usize, Problem>, u64) {
         let (mut sender, channel) = Channel::<Bytes, axum::BoxError>::new(1);
         let sending = tokio::spawn(async move {
             for _ in 0..count {
@@ -74,8 +74,7 @@ mod tests {
                 }
             }
         });
-        let budget = Budget::new(budget);
-        let whole = collect(Body::new(channel), None, &budget).await;
+        let whole = collect(Body::new(channel), None, budget).await;
         sending.await.unwrap();
         let held = budget.held();
         (whole.map(|bytes| bytes.len()), held)
@@ -83,14 +82,18 @@ mod tests {
 
     #[tokio::test]
     async fn memory_is_held_as_long_as_the_body() {
-        let (length, held) = collected(500, 10_000, 64 << 20).await;
+        let (length, held) = collected(500, 10_000, &Budget::new(64 << 20)).await;
         assert_eq!((length.unwrap(), held), (5_000_000, 5 << 20));
     }
 
     #[tokio::test]
     async fn a_body_that_does_not_fit_is_refused_and_its_memory_is_free() {
-        let (length, held) = collected(500, 10_000, 8 << 20).await;
+        let budget = Budget::new(16 << 20);
+        let other = budget.take(Job::Body { bytes: 3 << 20 }, LONGEST_WAIT).await.unwrap();
+        let (length, held) = collected(500, 10_000, &budget).await;
         assert!(length.is_err());
-        assert_eq!(held, 0);
+        assert_eq!(held, 3 << 20);
+        drop(other);
+        assert_eq!(budget.held(), 0);
     }
 }

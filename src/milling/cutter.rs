@@ -70,7 +70,7 @@ impl fmt::Display for CutterError {
         match self {
             Self::CornerTooLarge { outer_radius } => write!(
                 f,
-                "the corner radius must be under half the diameter, {} mm; if both are equal, the cutter is a ball-end",
+                "the corner radius of the cutter must be under half its diameter, {} mm; if both are equal, the cutter is a ball-end",
                 outer_radius.mm()
             ),
             Self::Taper => f.write_str("the taper, half the angle of the cone, must be over 0 and under 90 deg"),

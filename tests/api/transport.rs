@@ -28,7 +28,6 @@ async fn text_that_is_not_json_is_malformed() {
             "{\"step_over_mm\": 01}",
             "{} {}",
             "{'a': 1}",
-            "\u{feff}{}",
         ] {
             let Answer { status, body: problem } = app.post_text(&path, text).await;
             assert_eq!((status, problem["type"].as_str()), (400, Some("malformed-json")), "{text:?}");
@@ -36,6 +35,14 @@ async fn text_that_is_not_json_is_malformed() {
         }
         let Answer { status, .. } = app.post_text(&path, b"{\"\xff\": 1}".to_vec()).await;
         assert_eq!(status, 400);
+    }
+}
+
+#[tokio::test]
+async fn a_byte_order_mark_before_the_json_is_ignored() {
+    let app = TestApp::start().await;
+    for (path, body) in every_post() {
+        assert_eq!(app.post_text(&path, format!("\u{feff}{body}")).await.status, 200, "{path}");
     }
 }
 

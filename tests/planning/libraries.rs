@@ -87,22 +87,6 @@ async fn a_library_that_cannot_be_read_is_refused_with_the_faults_of_its_tools()
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_library_of_more_than_a_thousand_members_is_too_large() {
-    let app = TestApp::start().await;
-    let own = json!([{"type": "ball_end", "diameter_mm": 5}]);
-    let library = |members: usize| {
-        let others: Vec<String> = (0..members - 1).map(|number| format!("\"member {number}\": 0, ")).collect();
-        format!("{{{}\"data\": []}}", others.concat()).into_bytes()
-    };
-    let answer = upload(&app, &[&library(1001)], own.clone()).await;
-    assert_eq!(answer.faults(), (413, vec![("/library/0", "file-too-large")]), "{}", answer.body);
-    assert!(answer.body["errors"][0]["detail"].as_str().unwrap().contains("at most 1000 members"), "{}", answer.body);
-    // A library of a thousand is read, and has no tools.
-    let answer = upload(&app, &[&library(1000)], own).await;
-    assert!(answer.body["errors"][0]["detail"].as_str().unwrap().contains("expected a tool, found none"), "{}", answer.body);
-}
-
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_surface_that_no_cutter_fits_names_the_faulty_tools_too() {
     let app = TestApp::start().await;
     let own = json!([{"name": "B500", "type": "ball_end", "diameter_mm": 500}]);

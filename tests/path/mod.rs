@@ -1,3 +1,0 @@
-//! Tool paths: their time, their programs, and what they leave.
-
-mod times;
