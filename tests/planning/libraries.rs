@@ -86,6 +86,56 @@ async fn a_library_that_cannot_be_read_is_refused_with_the_faults_of_its_tools()
     assert_eq!(answer.status, 400);
 }
 
+/// The answer to a surface with these libraries, chosen from by `filter`.
+async fn filtered(app: &TestApp, libraries: &[&[u8]], filter: Value) -> Answer {
+    let mut parameters = with(job(), json!({"method": "surface", "directions_deg": [0], "library_filter": filter}));
+    parameters.as_object_mut().unwrap().remove("cutters");
+    let mut parts = vec![("surface", SURFACE.as_bytes().to_vec()), ("parameters", parameters.to_string().into_bytes())];
+    parts.extend(libraries.iter().map(|library| ("library", library.to_vec())));
+    app.upload_parts(parts).await
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_filter_chooses_from_libraries_by_diameter_type_and_number() {
+    let app = TestApp::start().await;
+    let library = b"number,name,type,diameter_mm,corner_radius_mm\n1,B4,ball_end,4,\n2,B6,ball_end,6,\n3,T6,bull_nose,6,1\n7,T8,toroidal,8,2\n,T9,toroidal,9,2\n";
+    for (filter, expected) in [
+        (json!({}), vec!["B4", "B6", "T6", "T8", "T9"]),
+        (json!({"diameter_mm": [6, 8]}), vec!["B6", "T6", "T8"]),
+        (json!({"types": ["ball_end"]}), vec!["B4", "B6"]),
+        (json!({"types": ["bull_nose", "flat_end"]}), vec!["T6", "T8", "T9"]),
+        (json!({"numbers": [7, 1, 99]}), vec!["B4", "T8"]),
+        (json!({"diameter_mm": [5, 20], "types": ["toroidal"], "numbers": [1, 2, 3]}), vec!["T6"]),
+    ] {
+        let answer = filtered(&app, &[library], filter.clone()).await.ok();
+        let mut ranked = names(&answer, "candidates");
+        ranked.extend(names(&answer, "not_ranked"));
+        ranked.sort_unstable();
+        assert_eq!(ranked, expected, "{filter}");
+    }
+    for (filter, fault) in [
+        (json!({"diameter_mm": [20, 30]}), ("/cutters", "missing-field")),
+        (json!({"diameter_mm": [8, 6]}), ("/library_filter/diameter_mm", "out-of-range")),
+        (json!({"diameter_mm": [8]}), ("/library_filter/diameter_mm", "wrong-count")),
+        (json!({"types": ["drill"]}), ("/library_filter/types/0", "unknown-value")),
+        (json!({"numbers": [1.5]}), ("/library_filter/numbers/0", "wrong-type")),
+        (json!({"vendor": "x"}), ("/library_filter/vendor", "unknown-field")),
+    ] {
+        assert_eq!(filtered(&app, &[library], filter).await.faults(), (422, vec![fault]));
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn more_than_two_hundred_cutters_of_libraries_are_refused_with_the_filter_as_the_way_out() {
+    let app = TestApp::start().await;
+    let rows = (0..201).map(|number| format!("B{number},ball_end,{},,\n", 4 + number % 2)).collect::<Vec<_>>().concat();
+    let answer = upload(&app, &[&table(&rows)], Value::Null).await;
+    assert_eq!(answer.faults(), (422, vec![("/cutters", "too-many-items")]));
+    let detail = answer.body["errors"][0]["detail"].as_str().unwrap();
+    assert!(detail.contains("there are 201") && detail.contains("library_filter"), "{detail}");
+    filtered(&app, &[&table(&rows)], json!({"diameter_mm": [4, 4.5]})).await.ok();
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_surface_that_no_cutter_fits_names_the_faulty_tools_too() {
     let app = TestApp::start().await;

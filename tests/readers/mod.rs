@@ -11,8 +11,8 @@ mod text;
 mod three_mf;
 
 use crate::writers::binary_stl;
-use scallopd::surface::Sink;
 use scallopd::surface::read::{Fault, FaultKind, Format, FormatHint, Notes, ReadError, Reader, Summary};
+use scallopd::surface::{Sink, Unit};
 use std::io::{self, Read};
 
 /// A sink that keeps all points and facets.

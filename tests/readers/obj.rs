@@ -105,3 +105,21 @@ fn wrong_corners_are_refused_with_their_line() {
     );
     assert_eq!(refusal("vn 0 0 1\n"), "line 2: expected a vertex, found the end of the file");
 }
+
+#[test]
+fn a_comment_may_state_the_unit() {
+    for (comment, unit) in [
+        ("# Units: mm", Some(Unit::Millimetre)),
+        ("#units = inches", Some(Unit::Inch)),
+        ("# File units = meters", Some(Unit::Metre)),
+        ("# unit: m", Some(Unit::Metre)),
+        ("# Blender 4.1", None),
+        ("# 1 unit = 10 mm", None),
+    ] {
+        for file in [format!("{comment}\n{VERTICES}f 1 2 3\n"), format!("{VERTICES}f 1 2 3\n{comment}\r\n")] {
+            assert_eq!(read(&file).unwrap().1.unit, unit, "{file}");
+        }
+    }
+    assert_eq!(refusal(format!("# units: mm\n{VERTICES}# units: cm\n")), "line 6: expected one unit in the comments, found different ones");
+    assert!(refusal("# units: km\nv 0 0 0\n").starts_with("line 1: expected coordinates in micrometres, mm"));
+}

@@ -268,3 +268,17 @@ fn triangle_strips_are_read_in_all_encodings() {
     assert_eq!(missing, "line 14: expected the number of one of 4 vertices, from 0, found \"4\"");
     assert_eq!(read(format!("{}{vertices}2 0 1\n", head("ascii"))).unwrap_err().kind(), FaultKind::Empty);
 }
+
+#[test]
+fn a_comment_may_state_the_unit() {
+    for (line, unit) in [
+        ("comment units: cm", Some(Unit::Centimetre)),
+        ("obj_info Units = Inches", Some(Unit::Inch)),
+        ("comment unit of length: ft", Some(Unit::Foot)),
+        ("comment units unknown", None),
+    ] {
+        assert_eq!(read(ASCII.replace("comment by nobody", line)).unwrap().1.unit, unit, "{line}");
+    }
+    let two = ASCII.replace("comment by nobody", "comment units: mm\ncomment units: inches");
+    assert_eq!(refusal(two), "line 4: expected one unit in the comments, found different ones");
+}

@@ -268,7 +268,7 @@ fn ambiguous_text_is_refused_with_both_readings() {
     }
     assert_eq!(
         refusal("x [km],y [km],z [km]\n1,2,3\n"),
-        "line 1: expected columns in micrometres, mm, cm, m, inches or feet, found \"km\""
+        "line 1: expected coordinates in micrometres, mm, cm, m, inches or feet, found \"km\""
     );
 }
 

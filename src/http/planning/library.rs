@@ -2,7 +2,7 @@
 
 use crate::http::codes::{FileFault, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{NamedCandidate, Warning};
+use crate::http::wire::{LibraryFilter, NamedCandidate, Warning};
 use crate::tooling::{FaultyTool, LibraryFault, LibraryFaults, ToolLibrary};
 use std::collections::BTreeMap;
 
@@ -88,10 +88,11 @@ impl Libraries {
         (!sentences.is_empty()).then(|| sentences.join("; "))
     }
 
-    /// The finishing cutters of all libraries, in their order, and the faulty ones.
-    pub(super) fn into_candidates(self) -> (Vec<NamedCandidate>, Vec<FaultyTool>) {
+    /// The finishing cutters of all libraries that `filter` admits, in their order, and the faulty ones.
+    pub(super) fn into_candidates(self, filter: &LibraryFilter) -> (Vec<NamedCandidate>, Vec<FaultyTool>) {
         let faulty = self.faulty().take(MOST_FAULTY_LISTED).cloned().collect();
-        (self.0.into_iter().flatten().flat_map(ToolLibrary::into_tools).map(NamedCandidate::from).collect(), faulty)
+        let tools = self.0.into_iter().flatten().flat_map(ToolLibrary::into_tools).filter(|tool| filter.admits(tool));
+        (tools.map(NamedCandidate::from).collect(), faulty)
     }
 
     /// Whether a library has a finishing cutter.

@@ -3,7 +3,9 @@
 use super::library::Libraries;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, members};
-use crate::http::wire::{CandidateKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SelectKind, UNIT};
+use crate::http::wire::{
+    CandidateKind, LibraryFilter, LibraryFilterKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SelectKind, UNIT,
+};
 use crate::milling::Model;
 use crate::motion;
 use crate::planning::zigzag::{Directions, Pattern, ZigzagSettings};
@@ -54,6 +56,8 @@ members! {
         machine: required MACHINE: Machine,
         pattern: optional PATTERN: Choice<Pattern> = ("pattern", Choice { name: Some("Pattern"), words: &[("zigzag", Pattern::Zigzag), ("one_way", Pattern::OneWay)] },
             "zigzag (default): passes alternate in direction; one_way: all passes have the same direction, and the cutter returns at the rapid rate at the clearance height"),
+        library_filter: optional LIBRARY_FILTER: LibraryFilterKind = ("library_filter", LibraryFilterKind,
+            "which cutters of tool libraries join cutters; absent = all"),
         max_slope: optional MAX_SLOPE: Quantity<Angle> = ("max_slope_deg", Quantity::slope(DEFAULT_MAX_SLOPE),
             "the largest slope of facets that limit the step-over; steeper facets count as steep; absent = 85"),
         method: optional METHOD: Choice<Method> = ("method", Choice { name: Some("Method"), words: &[("surface", Method::Surface), ("rectangle", Method::Rectangle)] },
@@ -102,10 +106,11 @@ impl Parameters {
         let checked = libraries.check(faults);
         let members = ParameterMembers::read(object, faults);
         let path = object.path();
+        let filter = members.library_filter.map(Option::unwrap_or_default);
         let candidates = members.cutters.and_then(|own| {
             // All cutters may have been in a refused library.
             checked?;
-            all_candidates(own.unwrap_or_default(), libraries, &path.member(CUTTERS.name), faults)
+            all_candidates(own.unwrap_or_default(), libraries, &filter?, &path, faults)
         });
         let (candidates, faulty_tools) = candidates?;
         Ok(Self {
@@ -159,6 +164,7 @@ impl Parameters {
 fn all_candidates(
     own: Vec<NamedCandidate>,
     libraries: Libraries,
+    filter: &LibraryFilter,
     path: &JsonPath<'_>,
     faults: &mut Faults,
 ) -> Result<(Vec<NamedCandidate>, Vec<FaultyTool>), Faulted> {
@@ -166,15 +172,29 @@ fn all_candidates(
         // If there are only faulty tools, their faults are the reason.
         libraries.report_faulty(faults)?;
         return Err(match libraries.left_out() {
-            Some(left_out) => faults.add(path, RequestFault::MissingField, format_args!("no library has a finishing cutter; {left_out}")),
-            None => faults.add(path, RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about)),
+            Some(left_out) => faults.add(
+                &path.member(CUTTERS.name),
+                RequestFault::MissingField,
+                format_args!("no library has a finishing cutter; {left_out}"),
+            ),
+            None => {
+                faults.add(&path.member(CUTTERS.name), RequestFault::MissingField, format_args!("the field is missing: {}", CUTTERS.about))
+            }
         });
     }
-    let (of_libraries, faulty_tools) = libraries.into_candidates();
+    let (of_libraries, faulty_tools) = libraries.into_candidates(filter);
+    if own.is_empty() && of_libraries.is_empty() {
+        let detail = format_args!("none of the finishing cutters of the libraries meets all conditions of {}", LIBRARY_FILTER.name);
+        return Err(faults.add(&path.member(CUTTERS.name), RequestFault::MissingField, detail));
+    }
     let candidates: Vec<_> = own.into_iter().chain(of_libraries).collect();
     if candidates.len() > MOST_CUTTERS {
-        let detail = format_args!("at most {MOST_CUTTERS} cutters, those of libraries included; there are {}", candidates.len());
-        return Err(faults.add(path, RequestFault::TooManyItems, detail));
+        let detail = format_args!(
+            "at most {MOST_CUTTERS} cutters, those of libraries included; there are {}; {} chooses from libraries by diameter, type or number",
+            candidates.len(),
+            LIBRARY_FILTER.name
+        );
+        return Err(faults.add(&path.member(CUTTERS.name), RequestFault::TooManyItems, detail));
     }
     Ok((candidates, faulty_tools))
 }

@@ -4,7 +4,7 @@ use crate::http::codes::RequestFault;
 use crate::http::reading::{
     AddMembers, Choice, Components, Faulted, Faults, JsonPath, Kind, Member, Members, Object, Quantity, Whole, members,
 };
-use crate::milling::Cutter;
+use crate::milling::{Cutter, CutterKind};
 use crate::quantity::Length;
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{Discriminator, ObjectBuilder, OneOfBuilder, Type as SchemaKind};
@@ -19,19 +19,30 @@ pub(crate) struct StatedCutter {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Type {
+pub(super) enum Type {
     Toroidal,
     BallEnd,
     FlatEnd,
 }
 
+impl Type {
+    /// The words of the types.
+    pub(super) const WORDS: &[(&str, Self)] =
+        &[("toroidal", Self::Toroidal), ("bull_nose", Self::Toroidal), ("ball_end", Self::BallEnd), ("flat_end", Self::FlatEnd)];
+
+    pub(super) fn kind(self) -> CutterKind {
+        match self {
+            Self::Toroidal => CutterKind::Toroidal,
+            Self::BallEnd => CutterKind::BallEnd,
+            Self::FlatEnd => CutterKind::FlatEnd,
+        }
+    }
+}
+
 const TYPE: Member<Choice<Type>> = Member::new(
     "type",
     "the kind of cutter: toroidal (bull_nose is the same), ball_end or flat_end",
-    Choice {
-        name: None,
-        words: &[("toroidal", Type::Toroidal), ("bull_nose", Type::Toroidal), ("ball_end", Type::BallEnd), ("flat_end", Type::FlatEnd)],
-    },
+    Choice { name: None, words: Type::WORDS },
 );
 
 members! {

@@ -25,6 +25,7 @@ mod polygon;
 mod stl;
 mod text;
 mod three_mf;
+mod unit_name;
 mod utf_16;
 mod vertices;
 mod words;
@@ -52,7 +53,8 @@ pub struct Summary {
     pub points: u64,
     /// Facets passed to the sink; a polygon of n corners counts n - 2.
     pub facets: u64,
-    /// The unit of the coordinates, if the file states one: 3MF always does, text may in its header. A caller must use
+    /// The unit of the coordinates, if the file states one: 3MF always does, text may in its header, OBJ and PLY in a
+    /// comment. A caller must use
     /// this unit.
     pub unit: Option<Unit>,
     /// The data that were left out, or accepted although they are unusual.

@@ -4,18 +4,21 @@
 //! A face may refer only to vertices before it. Weights and colours after a vertex, texture coordinates and normals of
 //! a corner, groups, materials and names are ignored. Point and line elements are not part of a surface and are
 //! counted. The vertices of a file without faces are points. Unknown statements are refused. Free-form curves and
-//! surfaces are refused too, because their control points do not lie on the surface. A number may have a decimal comma.
+//! surfaces are refused too, because their control points do not lie on the surface. A number may have a decimal comma. A comment may
+//! state the unit.
 
 use super::decimal::Decimals;
 use super::faces::Faces;
 use super::fault::{FaultKind, Flaw, ReadError, quoted};
 use super::input::{Input, LONGEST_LINE, too_long};
+use super::unit_name::CommentedUnit;
 use super::words::{Words, trimmed};
 use super::{Format, Notes, Sink, Summary};
 
 /// Reads an OBJ file of at most `vertex_limit` vertices.
 pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
-    let mut content = Content { faces: Faces::new(vertex_limit), decimals: Decimals::default(), other_elements: 0 };
+    let mut content =
+        Content { faces: Faces::new(vertex_limit), decimals: Decimals::default(), unit: CommentedUnit::default(), other_elements: 0 };
     // The part of a statement that a backslash continues on the next line.
     let mut begun = Vec::new();
     input.each_line(|line, _| {
@@ -39,9 +42,9 @@ pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) 
     })?;
     let end = input.number_at_end();
     content.statement(&begun, sink).map_err(|flaw| flaw.at_line(end))?;
-    let Content { faces, other_elements, .. } = content;
+    let Content { faces, unit, other_elements, .. } = content;
     let notes = Notes { other_elements, crossed_polygons: faces.crossed(), ..Notes::default() };
-    let mut summary = Summary { format: Format::Obj, points: 0, facets: faces.facets(), unit: None, notes };
+    let mut summary = Summary { format: Format::Obj, points: 0, facets: faces.facets(), unit: unit.unit(), notes };
     if faces.vertices().is_empty() && summary.facets == 0 {
         return Err(Flaw::new(FaultKind::Empty, "a vertex", "the end of the file").at_line(end).into());
     }
@@ -56,6 +59,7 @@ pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) 
 struct Content {
     faces: Faces,
     decimals: Decimals,
+    unit: CommentedUnit,
     other_elements: u64,
 }
 
@@ -70,7 +74,8 @@ impl Content {
                 Ok(())
             }
             Some(word) if word[0] != b'#' => ignored(word),
-            _ => Ok(()),
+            Some(_) => self.unit.read(statement),
+            None => Ok(()),
         }
     }
 

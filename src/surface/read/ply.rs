@@ -5,7 +5,7 @@
 //! properties and other elements are skipped; the header states their sizes. Vertices must come before faces. The
 //! vertices of a file without faces are points, which are passed on and not stored. Triangle strips (`tristrips`) are
 //! read as well: every vertex after the first two of a strip forms a triangle with the two before it, and -1 starts a
-//! new strip. A number in text may have a decimal comma.
+//! new strip. A number in text may have a decimal comma. A comment may state the unit.
 
 use super::decimal::{Decimals, unbounded};
 use super::faces::{Faces, too_many_vertices};
@@ -47,7 +47,7 @@ pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) 
     if stores && facets == 0 {
         return Err(Flaw::new(FaultKind::Empty, "a triangle in the strips", "none").at_byte(0).into());
     }
-    Ok(Summary { format: header.format, points: surface.points, facets, unit: None, notes })
+    Ok(Summary { format: header.format, points: surface.points, facets, unit: header.unit, notes })
 }
 
 /// The bytes of the lines that are left, without the blanks before them.

@@ -3,7 +3,9 @@
 use super::Format;
 use super::fault::{FaultKind, Flaw, ReadError, quoted};
 use super::input::Input;
+use super::unit_name::CommentedUnit;
 use super::words::{Words, line_end};
+use crate::surface::Unit;
 
 /// The longest header, in bytes; it also bounds the memory for elements and properties.
 const LONGEST_HEADER: usize = 1 << 16;
@@ -13,6 +15,8 @@ const LONGEST_HEADER: usize = 1 << 16;
 pub(super) struct Header {
     pub(super) format: Format,
     pub(super) elements: Vec<Element>,
+    /// The unit that a comment states.
+    pub(super) unit: Option<Unit>,
 }
 
 #[derive(Debug)]
@@ -91,7 +95,7 @@ pub(super) fn read(input: &mut Input) -> Result<Header, ReadError> {
     let first = line_end(start);
     let is_cr_alone = first.is_some_and(|at| start[at] == b'\r' && start.get(at + 1) != Some(&b'\n'));
     let begin = input.offset();
-    let mut lines = HeaderLines { number: 0, format: None, elements: Vec::new() };
+    let mut lines = HeaderLines { number: 0, format: None, elements: Vec::new(), unit: CommentedUnit::default() };
     loop {
         let line = input.line_until(if is_cr_alone { b'\r' } else { b'\n' })?;
         lines.number += 1;
@@ -117,6 +121,7 @@ struct HeaderLines {
     number: u64,
     format: Option<Format>,
     elements: Vec<Element>,
+    unit: CommentedUnit,
 }
 
 impl HeaderLines {
@@ -131,7 +136,7 @@ impl HeaderLines {
             b"format" => self.format(&mut words)?,
             b"element" => self.element(&mut words)?,
             b"property" => self.property(&mut words)?,
-            b"comment" | b"obj_info" | b"" => return Ok(false),
+            b"comment" | b"obj_info" | b"" => return self.unit.read(line).map(|()| false),
             _ => return Err(Flaw::malformed("format, element, property, comment, obj_info or end_header", line)),
         }
         match words.next() {
@@ -227,7 +232,7 @@ impl HeaderLines {
                 return Err(Flaw::new(FaultKind::Malformed, "vertices before faces", order));
             }
         }
-        Ok(Header { format, elements: self.elements })
+        Ok(Header { format, elements: self.elements, unit: self.unit.unit() })
     }
 }
 

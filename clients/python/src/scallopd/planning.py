@@ -105,10 +105,19 @@ class Selection(TypedDict, total=False):
     pieces: Sequence[int]
 
 
+class LibraryFilter(TypedDict, total=False):
+    """The cutters of tool libraries that join those of the request: those that meet every stated condition."""
+
+    diameter_mm: Sequence[float]
+    types: Sequence[Literal["toroidal", "bull_nose", "ball_end", "flat_end"]]
+    numbers: Sequence[int]
+
+
 class RecommendationParameters(TypedDict, total=False):
     """Parameters of a recommendation beside the surface, cutters, tolerance and machine."""
 
     pattern: Literal["zigzag", "one_way"]
+    library_filter: LibraryFilter
     max_slope_deg: float
     method: Literal["surface", "rectangle"]
     model: Model

@@ -1,6 +1,7 @@
 //! Headers of tables of points: which columns are x, y and z, and in which unit.
 
 use super::super::fault::{FaultKind, Flaw, quoted};
+use super::super::unit_name::length_unit;
 use super::layout::Separator;
 use crate::surface::Unit;
 
@@ -128,22 +129,6 @@ fn names(line: &[u8], separator: Separator) -> Vec<Name<'_>> {
 /// The words of a column's name in lower case: `X [mm]`, `"pos_x"` and `x(mm)` all have the word x.
 fn words(name: &[u8]) -> impl Iterator<Item = Vec<u8>> {
     name.split(|byte| !byte.is_ascii_alphanumeric() && byte.is_ascii()).filter(|word| !word.is_empty()).map(<[u8]>::to_ascii_lowercase)
-}
-
-/// The unit of length of this name; an error for a unit that is not supported.
-fn length_unit(word: &[u8]) -> Option<Result<Unit, Flaw>> {
-    Some(Ok(match word {
-        b"um" | b"micron" | b"microns" | b"micrometer" | b"micrometre" | b"\xb5m" | b"\xc2\xb5m" | b"\xce\xbcm" => Unit::Micrometre,
-        b"mm" | b"millimeter" | b"millimeters" | b"millimetre" | b"millimetres" => Unit::Millimetre,
-        b"cm" | b"centimeter" | b"centimeters" | b"centimetre" | b"centimetres" => Unit::Centimetre,
-        b"m" | b"meter" | b"meters" | b"metre" | b"metres" => Unit::Metre,
-        b"in" | b"inch" | b"inches" => Unit::Inch,
-        b"ft" | b"foot" | b"feet" => Unit::Foot,
-        b"nm" | b"dm" | b"km" | b"mil" | b"thou" | b"yd" | b"yards" => {
-            return Some(Err(Flaw::malformed("columns in micrometres, mm, cm, m, inches or feet", word)));
-        }
-        _ => return None,
-    }))
 }
 
 /// The unit of three columns. If only some of them state one, it must be the millimetre, which is assumed for the
