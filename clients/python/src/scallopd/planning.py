@@ -15,6 +15,7 @@ __all__ = [
     "Candidate",
     "CriticalSlope",
     "CriticalSlopeParameters",
+    "LibraryFilter",
     "MachinePreset",
     "Mesh",
     "Passes",
