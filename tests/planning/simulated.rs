@@ -142,14 +142,18 @@ async fn cutters_of_libraries_join_and_other_tools_are_counted() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_unit_in_a_header_must_be_confirmed() {
+async fn the_unit_that_a_file_states_is_believed() {
     let app = TestApp::start().await;
     let lines: Vec<String> = nodes().iter().map(|[x, y, z]| format!("{x},{y},{z}")).collect();
     let text = format!("x_cm,y_cm,z_cm\n{}\n", lines.join("\n"));
-    let doubtful = app.upload(text.clone(), &simulated()).await;
-    assert_eq!(doubtful.faults(), (422, vec![("/surface", "ambiguous-file")]), "{}", doubtful.body);
-    let confirmed = app.upload(text, &with(simulated(), json!({"unit": "cm"}))).await.ok();
-    assert_relative_eq!(figure(&confirmed, "/surface/bounds_mm/max/0"), 240.0, max_relative = 1e-6);
+    let object =
+        format!("# units: cm\n{}f 1 2 3\n", nodes().iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect::<Vec<_>>().concat());
+    for file in [text, object] {
+        let width = async |parameters: Value| figure(&app.upload(file.clone(), &parameters).await.ok(), "/surface/bounds_mm/max/0");
+        let in_mm = width(with(simulated(), json!({"unit": "mm"}))).await;
+        assert_relative_eq!(width(simulated()).await, 10.0 * in_mm, max_relative = 1e-6);
+        assert_relative_eq!(width(with(simulated(), json!({"unit": "cm"}))).await, 10.0 * in_mm, max_relative = 1e-6);
+    }
     let package = three_mf("centimeter", &nodes(), &triangles());
     let stated = app.upload(package.clone(), &simulated()).await.ok();
     assert_relative_eq!(figure(&stated, "/surface/bounds_mm/max/0"), 240.0, max_relative = 1e-6);

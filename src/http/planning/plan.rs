@@ -42,7 +42,7 @@ impl Task {
         faults: &mut Faults,
         stop: Stop,
     ) -> Result<Self, Faulted> {
-        let unit = sourced.unit_of(parameters.unit, path, faults)?;
+        let unit = sourced.unit_of(parameters.unit, faults)?;
         let shape = sourced.surface.sampled.shape(unit, parameters.facing);
         let shape = shape.map_err(|error| faults.add(path, shape_code(error), error))?;
         let mut warnings = sourced.warnings(&shape);

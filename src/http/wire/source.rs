@@ -2,7 +2,7 @@
 
 use super::Warning;
 use super::unit_member::UNIT;
-use crate::http::codes::{FileFault, RequestFault, WarningCode, same_names};
+use crate::http::codes::{RequestFault, WarningCode, same_names};
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::surface::read::{FarOutside, Format, Notes, Summary};
 use crate::surface::{Basis, ReceivedSurface, Shape, Unit};
@@ -75,24 +75,15 @@ impl SurfaceWithSource {
 
     /// The unit of the coordinates: the request's, otherwise the file's, otherwise mm.
     ///
-    /// A 3MF file always states its unit, and the request must not state another. A text may state a unit in the names
-    /// of its columns; if that is not mm, the request must state the unit.
-    pub(crate) fn unit_of(&self, requested: Option<Unit>, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Unit, Faulted> {
-        let Some(own) = self.unit else { return Ok(requested.unwrap_or_default()) };
-        match requested {
-            Some(requested) if requested != own && self.source == Source::ThreeMf => {
+    /// A 3MF file always states its unit, and the request must not state another. Names of columns and comments may be
+    /// wrong, so that the request's unit counts more than theirs.
+    pub(crate) fn unit_of(&self, requested: Option<Unit>, faults: &mut Faults) -> Result<Unit, Faulted> {
+        match (requested, self.unit) {
+            (Some(requested), Some(own)) if requested != own && self.source == Source::ThreeMf => {
                 let detail = format_args!("the 3MF file states its unit, {}; omit `unit` or state the same", UNIT.kind.word(&own));
                 Err(faults.add(&JsonPath::Root.member(UNIT.name), RequestFault::ConflictingFields, detail))
             }
-            Some(requested) => Ok(requested),
-            None if self.source == Source::ThreeMf || own == Unit::default() => Ok(own),
-            None => {
-                let (header, default) = (UNIT.kind.word(&own), UNIT.kind.word(&Unit::default()));
-                let detail = format_args!(
-                    "the header gives the coordinates in {header}, and without `unit` they are read in {default}; state unit \"{header}\" or \"{default}\""
-                );
-                Err(faults.add(path, FileFault::Ambiguous, detail))
-            }
+            (requested, own) => Ok(requested.or(own).unwrap_or_default()),
         }
     }
 

@@ -6,7 +6,7 @@ use crate::surface::Unit;
 /// The member `unit` of a recommendation.
 pub(crate) const UNIT: Member<Choice<Unit>> = Member::new(
     "unit",
-    "the unit of the surface's coordinates; absent = mm, but a 3MF file states its own",
+    "the unit of the surface's coordinates; absent = the one that the file states, otherwise mm",
     Choice {
         name: Some("Unit"),
         words: &[
