@@ -146,8 +146,9 @@ async fn the_unit_that_a_file_states_is_believed() {
     let app = TestApp::start().await;
     let lines: Vec<String> = nodes().iter().map(|[x, y, z]| format!("{x},{y},{z}")).collect();
     let text = format!("x_cm,y_cm,z_cm\n{}\n", lines.join("\n"));
-    let object =
-        format!("# units: cm\n{}f 1 2 3\n", nodes().iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect::<Vec<_>>().concat());
+    let vertices: Vec<String> = nodes().iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    let faces: Vec<String> = triangles().iter().map(|[a, b, c]| format!("f {} {} {}\n", a + 1, b + 1, c + 1)).collect();
+    let object = format!("# units: cm\n{}{}", vertices.concat(), faces.concat());
     for file in [text, object] {
         let width = async |parameters: Value| figure(&app.upload(file.clone(), &parameters).await.ok(), "/surface/bounds_mm/max/0");
         let in_mm = width(with(simulated(), json!({"unit": "mm"}))).await;
