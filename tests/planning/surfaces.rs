@@ -246,8 +246,8 @@ fn bottom(d: f64, [outer, corner]: [f64; 2]) -> Option<f64> {
     (over <= corner).then(|| corner - (corner * corner - over * over).max(0.0).sqrt())
 }
 
-/// Asserts that no tip cuts deeper into the facets than the tolerance, and that each touches them at its stated
-/// contact.
+/// Asserts that no tip cuts deeper into the facets than the tolerance, and that each touches them at its stated contact, but
+/// for the chords between tips.
 fn assert_tips_rest_on(answer: &Value, facets: &[[[f64; 3]; 3]], radii: [f64; 2], tolerance: f64) {
     let column = |name: &str| answer["passes"][name].as_array().unwrap().clone();
     let point = |value: &Value| [0, 1, 2].map(|axis| value[axis].as_f64().unwrap());
