@@ -124,7 +124,9 @@ impl Foot {
             length += last.map_or(0.0, |last| travel::distance(self.tips[last].tip, self.tips[index].tip));
             if wanted[index] {
                 if length <= gap {
-                    open.iter().for_each(|between| wanted[*between] = true);
+                    for between in &open {
+                        wanted[*between] = true;
+                    }
                 }
                 open.clear();
                 length = 0.0;

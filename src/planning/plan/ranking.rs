@@ -13,7 +13,7 @@ use super::tour::TourFigures;
 use super::weakness::{SurfaceEvidence, SurfaceWeakness};
 use super::workpiece::{SurfaceFigures, Workpiece};
 use crate::milling::{Cutter, Model};
-use crate::planning::{Confidence, RectanglePlan, plan_on_rectangle};
+use crate::planning::{Confidence, Level, Reason, RectanglePlan, plan_on_rectangle};
 use crate::quantity::{Angle, Length, Speed, Time};
 use rayon::prelude::*;
 use std::cell::OnceCell;
@@ -372,4 +372,33 @@ impl Estimated {
 fn on_rectangle(cutter: Cutter, settings: &PlanSettings) -> Option<RectanglePlan> {
     let shape = settings.shape.as_ref()?;
     plan_on_rectangle(cutter, shape, settings.scallop_height, settings.machine.limits, Model::Analytic).ok().flatten()
+}
+
+impl Confidence<SurfaceWeakness> {
+    /// The confidence in plans that are sorted by time, milled ones first; `None` without a milled plan.
+    fn of(plans: &[CandidatePlan], surface: &SurfaceFigures, scallop_height: Length, evidence: SurfaceEvidence) -> Option<Self> {
+        let best = plans.first()?;
+        let milled = best.milled?;
+        let mut reasons = Vec::new();
+        if let Some(next) = plans.get(1) {
+            let lead = 1.0 - best.time.seconds() / next.time.seconds();
+            if lead < 0.02 {
+                reasons.push(Reason { weakness: SurfaceWeakness::SmallLead, level: Level::Moderate, figure: lead, threshold: 0.02 });
+            }
+        }
+        let size = surface.facet_size.mm() / milled.step_over.median.mm();
+        #[expect(clippy::cast_precision_loss, reason = "a count of pieces")]
+        let pieces = evidence.pieces as f64;
+        let sagittas = surface.sagitta.mm() / scallop_height.mm();
+        if sagittas > 0.1 {
+            reasons.extend(Reason::over(SurfaceWeakness::CoarseTessellation, size, 2.0, if sagittas > 1.0 { 8.0 } else { f64::INFINITY }));
+        }
+        reasons.extend(Reason::over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::HiddenArea, evidence.hidden_area_share, 0.02, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
+        reasons.extend(Reason::over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::OverTolerance, milled.finish.far_over_share, 0.005, 0.1));
+        reasons.extend(Reason::over(SurfaceWeakness::Gouge, milled.finish.gouge.mm() / scallop_height.mm(), 0.4, 4.0));
+        Some(Self::from_reasons(reasons))
+    }
 }

@@ -295,18 +295,16 @@ impl RunMaker<'_> {
                     .filter(|other| spans[*other][0] < spans[index][1] && spans[*other][1] > spans[index][0]);
                 for other in overlapping {
                     let ends = [spans[index][0] - spans[other][0], spans[other][1] - spans[index][1]];
-                    for side in 0..2 {
-                        if run.open[side] {
-                            further[index][side] = further[index][side].max((ends[side] / 2.0).clamp(0.0, spacing));
-                        }
+                    for ((further, end), _) in further[index].iter_mut().zip(ends).zip(run.open).filter(|(_, is_open)| *is_open) {
+                        *further = further.max((end / 2.0).clamp(0.0, spacing));
                     }
                 }
             }
         }
         for (run, further) in runs.iter_mut().zip(further) {
-            for side in 0..2 {
-                if further[side] > END {
-                    self.extend(run, side == 1, further[side]);
+            for (is_last, length) in [false, true].into_iter().zip(further) {
+                if length > END {
+                    self.extend(run, is_last, length);
                 }
             }
         }

@@ -154,7 +154,7 @@ impl CutterSpacing {
         let (core, corner) = (arc.centre_offset, arc.radius);
         // n/q = 1/((R - r)/sin(S) + r), the body's curvature along the level line; 1/r for a ball at every slope. All
         // quadratic forms are multiplied by q, so that a single division is needed.
-        let (n, q) = if core != 0.0 { (tangent.sin, core + corner * tangent.sin) } else { (1.0, corner) };
+        let (n, q) = if core == 0.0 { (1.0, corner) } else { (tangent.sin, core + corner * tangent.sin) };
         // Twice the quadratic forms of the body, and of body and surface, along the feed, multiplied by r q. The feed's
         // direction in the tangent plane is (cos(alpha)/cos(S), sin(alpha)); its squared length cancels with the ratio
         // of d to s, except for cos^2(S).

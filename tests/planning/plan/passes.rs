@@ -23,7 +23,11 @@ fn planned(part: &Workpiece, candidate: CandidateCutter, settings: &PlanSettings
 /// move, and each move of a lift by itself.
 fn timed(path: &Passes, machine: &Machine) -> f64 {
     let time = |length: f64, feed_rate: Speed| {
-        if length > 0.0 { travel_time(Length::from_mm(length).unwrap(), MachineLimits { feed_rate, ..machine.limits }).seconds() } else { 0.0 }
+        if length > 0.0 {
+            travel_time(Length::from_mm(length).unwrap(), MachineLimits { feed_rate, ..machine.limits }).seconds()
+        } else {
+            0.0
+        }
     };
     let ends = path.run_starts[1..].iter().copied().chain([path.points.len()]);
     let mut seconds = 0.0;
