@@ -196,6 +196,18 @@ fn lines_apart(one: Angle, other: Angle) -> f64 {
     apart.min(180.0 - apart)
 }
 
+/// The directions of `more` without those that repeat one of `tried` or an earlier one.
+fn apart_from(tried: &[(Angle, Option<f64>)], more: impl Iterator<Item = Angle>) -> Vec<Angle> {
+    let mut new: Vec<Angle> = Vec::new();
+    for angle in more {
+        let is_new = |other: &Angle| lines_apart(*other, angle) > 0.2;
+        if tried.iter().all(|(other, _)| is_new(other)) && new.iter().all(is_new) {
+            new.push(angle);
+        }
+    }
+    new
+}
+
 /// Plans zigzags for each candidate over the part and ranks them by time. `evidence` has the properties of the mesh that the
 /// part does not show. `stop` is called about every millisecond, by all threads. The result is `None` soon after it returns
 /// true.
@@ -295,7 +307,7 @@ fn estimate(
         Directions::Only(only) => all(only.clone()),
         Directions::All { beside } => {
             let coarse = (0..36).map(|step| Angle::from_radians((5.0 * f64::from(step)).to_radians()));
-            let mut times = all(coarse.chain(beside.iter().copied()).collect());
+            let mut times = all(apart_from(&[], beside.iter().copied().chain(coarse)));
             for step in [2.5_f64, 1.0, 0.5] {
                 let mut best: Vec<(Angle, f64)> = times.iter().filter_map(|&(angle, seconds)| Some((angle, seconds?))).collect();
                 best.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -303,8 +315,7 @@ fn estimate(
                 let beside = |(angle, _): (Angle, f64)| {
                     [-step, step].map(|by| Angle::from_radians((angle.degrees() + by).rem_euclid(180.0).to_radians()))
                 };
-                let mut new: Vec<Angle> = best.into_iter().flat_map(beside).collect();
-                new.retain(|angle| times.iter().all(|(other, _)| lines_apart(*other, *angle) > 0.2));
+                let new = apart_from(&times, best.into_iter().flat_map(beside));
                 times.extend(all(new));
             }
             times.sort_by(|a, b| a.0.radians().total_cmp(&b.0.radians()));

@@ -110,7 +110,9 @@ proptest! {
             })
             .collect();
         let mut builder = MeshBuilder::new();
-        facets.iter().for_each(|facet| builder.facet(*facet));
+        for facet in facets {
+            builder.facet(facet);
+        }
         let Ok(mesh) = builder.finish(Unit::Millimetre, Facing::Up) else { return Ok(()) };
         let ranking = ranked_on(&machined(&mesh), &published_cutters(), &settings(Model::Envelope));
         prop_assert_eq!(ranking.plans.len() + ranking.not_ranked.len(), 2);

@@ -28,7 +28,7 @@ struct Points {
     low: [f64; 2],
     columns: usize,
     starts: Vec<usize>,
-    points: Vec<[f64; 3]>,
+    places: Vec<[f64; 3]>,
 }
 
 const CELL: f64 = 1.0;
@@ -56,7 +56,7 @@ impl Points {
         points.sort_by_key(of);
         let last = points.last().map_or(0, of);
         let starts = (0..=last + 1).map(|cell| points.partition_point(|point| of(point) < cell)).collect();
-        Self { low, columns, starts, points }
+        Self { low, columns, starts, places: points }
     }
 
     /// How far the cutter with this tip stays clear of all points, negative where it stands into one.
@@ -66,7 +66,7 @@ impl Points {
         let columns = cell((tip[0] - reach - self.low[0]).max(0.0))..(cell((tip[0] + reach - self.low[0]).max(0.0)) + 1).min(self.columns);
         for row in cell((tip[1] - reach - self.low[1]).max(0.0))..=cell((tip[1] + reach - self.low[1]).max(0.0)) {
             for at in columns.clone().map(|column| row * self.columns + column).filter(|at| at + 1 < self.starts.len()) {
-                for point in &self.points[self.starts[at]..self.starts[at + 1]] {
+                for point in &self.places[self.starts[at]..self.starts[at + 1]] {
                     least = least.min(cutter.distance(minus(*point, tip)));
                 }
             }
@@ -201,7 +201,7 @@ fn verdict(facets: &[Facet], cutter: Cutter, settings: &PlanSettings) -> Option<
     #[expect(clippy::cast_precision_loss, reason = "thousands")]
     let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
     let (over, reachable) = (share(over.len(), places.len()), share(reached, looked_at.len()));
-    let deepest = |swept: &Swept| 1e3 * points.points.iter().map(|point| -swept.distance(*point, 0.0)).fold(0.0, f64::max);
+    let deepest = |swept: &Swept| 1e3 * points.places.iter().map(|point| -swept.distance(*point, 0.0)).fold(0.0, f64::max);
     let gouge = [deepest(&cuts), deepest(&others)];
     left.sort_by(f64::total_cmp);
     let figures = plan.milled?.finish;
