@@ -111,7 +111,7 @@ answer! {
     #[derive(Clone)]
     struct PlannedFigures of (plan: &CandidatePlan) {
         /// `milled`: the time and all figures are those of the tips' path, milled; `estimated`: the cutter's estimated time is
-        /// more than 1.5 times the shortest, and its path was not made.
+        /// more than 1.5 times the shortest, or eight other cutters have shorter ones, and its path was not made.
         figures: FiguresSource [required = false] = if plan.milled.is_some() { FiguresSource::Milled } else { FiguresSource::Estimated },
         /// A lower bound: no passes that keep the scallop height take less time, without stops and walls.
         least_time_s: f64 [required = false, minimum = 0] = plan.least_time.seconds(),

@@ -16,7 +16,7 @@ use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSou
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
 use crate::planning::machined_surface::{MachinedSurface, Stop};
-use crate::planning::plan::{CandidatePlan, NotRankedReason};
+use crate::planning::plan::{CandidatePlan, NotRankedReason, estimated_times};
 use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
 use crate::surface::{ReceivedSurface, Shape, ShapeError};
@@ -182,15 +182,17 @@ impl Task {
         let Some(machined) = machined else { return (&confidence).into() };
         // The order depends on the recommended cutter and the next one.
         let compared: Vec<usize> = candidates.iter().take(2).map(|candidate| candidate.cutter).collect();
-        let by = Model::Envelope;
-        let Some(simulation) = Simulation::run(machined, &self.parameters, &compared, &self.shape, by, stop) else {
+        let settings = self.parameters.settings(&self.shape, Model::Envelope);
+        let cutters: Vec<_> = compared.iter().map(|&place| self.parameters.candidates[place].candidate).collect();
+        // Estimates are enough here, and take no longer on a part of many metres.
+        let Some(on_surface) = estimated_times(&machined.workpiece, &cutters, &settings, stop) else {
             return (&confidence).into();
         };
-        let figures = simulation.ranking.surface;
+        let figures = machined.workpiece.figures();
         let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: machined.machined_pieces };
         let simulated = |candidate: &RankedCandidate| {
-            let plans = &simulation.ranking.plans;
-            plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter).map(|plan| (candidate.time(), plan.time))
+            let place = compared.iter().position(|&cutter| cutter == candidate.cutter)?;
+            Some((candidate.time(), on_surface[place]?))
         };
         let confidence = confidence.with_surface(&self.shape, &evidence);
         // Without a simulation of the recommended cutter, the others cannot be compared with it.

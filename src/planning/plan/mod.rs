@@ -35,7 +35,7 @@ pub use candidate::{CandidateCutter, Drive};
 pub use judged::FinishFigures;
 pub use left::{LeftAt, left_at};
 pub use passes::{CutPoint, PassPoint, Passes, passes};
-pub use ranking::{CandidatePlan, MilledFigures, NotRanked, NotRankedReason, Ranking, SpacingFigures, rank};
+pub use ranking::{CandidatePlan, MilledFigures, NotRanked, NotRankedReason, Ranking, SpacingFigures, estimated_times, rank};
 pub use settings::{Directions, Pattern, PlanSettings};
 pub use tour::TourFigures;
 pub use travel::APPROACH_HEIGHT;

@@ -28,6 +28,9 @@ const JUDGED_ON: usize = 20_000;
 /// Candidates whose estimated time is over this factor of the shortest one stay estimated.
 const FAR_BEHIND: f64 = 1.5;
 
+/// The candidates that are milled at most, those with the shortest estimates. A library has 200, and a path takes seconds.
+const MOST_CANDIDATES: usize = 8;
+
 /// The directions of a candidate that are milled at most, and the factor over the shortest estimate beyond which a direction
 /// is not.
 const MOST_MILLED: usize = 3;
@@ -58,7 +61,8 @@ pub struct CandidatePlan {
     pub direction: Angle,
     /// The time of all runs and links: of the tips' path, or estimated.
     pub time: Time,
-    /// The milled plan; `None` for a candidate that is too far behind, whose time is an estimate.
+    /// The milled plan; `None` for a candidate that is too far behind, or not among the eight with the shortest estimates,
+    /// whose time is an estimate.
     pub milled: Option<MilledFigures>,
     /// A lower bound: no lines that keep the scallop height take less time.
     pub least_time: Time,
@@ -233,12 +237,15 @@ pub fn rank(
             Err(reason) => not_ranked.push(NotRanked { candidate: index, reason }),
         }
     }
-    let shortest = estimated.iter().map(Estimated::shortest).fold(f64::INFINITY, f64::min);
+    let mut shortest: Vec<f64> = estimated.iter().map(Estimated::shortest).collect();
+    shortest.sort_by(f64::total_cmp);
+    let last = shortest.get(MOST_CANDIDATES - 1).copied().unwrap_or(f64::INFINITY);
+    let limit = shortest.first().map_or(0.0, |shortest| (FAR_BEHIND * shortest).min(last));
     let many = drawn(workpiece, JUDGED_ON);
     let mut plans = Vec::new();
     for of_candidate in estimated {
         let index = of_candidate.prepared.index;
-        if of_candidate.shortest() > FAR_BEHIND * shortest {
+        if of_candidate.shortest() > limit {
             plans.push(of_candidate.unmilled(workpiece, settings));
             continue;
         }
@@ -271,6 +278,27 @@ pub fn rank(
     let surface = workpiece.figures();
     let confidence = Confidence::of(&plans, &surface, settings.scallop_height, evidence);
     Some(Ranking { plans, not_ranked, surface, confidence })
+}
+
+/// The estimated time of each candidate in its best direction, `None` for one that `rank` would not rank. It takes
+/// milliseconds a candidate, however large the part. The result is `None` soon after `stop` returns true.
+#[must_use]
+pub fn estimated_times(
+    workpiece: &Workpiece,
+    candidates: &[CandidateCutter],
+    settings: &PlanSettings,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Option<Time>>> {
+    let (rows, few) = (rows_of(workpiece), drawn(workpiece, ESTIMATED_ON));
+    let mut times = Vec::with_capacity(candidates.len());
+    for (index, candidate) in candidates.iter().enumerate() {
+        let estimated = estimate(workpiece, index, candidate, settings, &rows, &few, stop);
+        times.push(estimated.ok().map(|estimated| Time::computed(estimated.shortest())));
+        if stop() {
+            return None;
+        }
+    }
+    Some(times)
 }
 
 /// Drops the paths of all plans but the fastest: those of two hundred cutters would take gigabytes.

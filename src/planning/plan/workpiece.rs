@@ -166,7 +166,9 @@ impl Workpiece {
     }
 
     /// The figures of the surface.
-    pub(super) fn figures(&self) -> SurfaceFigures {
+    /// The figures of what is machined.
+    #[must_use]
+    pub fn figures(&self) -> SurfaceFigures {
         let mut sums = [0.0; 3];
         for (tangent, target) in self.tangents.iter().zip(&self.targets) {
             let [steepest, twist, level] = tangent.curvature;
