@@ -6,7 +6,7 @@ use super::{published_cutters, ranked, settings, workpiece};
 use scallopd::milling::Model;
 use scallopd::motion::{Preset, travel_time};
 use scallopd::planning::plan::estimated_times;
-use scallopd::quantity::{Length, Time};
+use scallopd::quantity::Length;
 
 /// The number of patches.
 const PATCHES: u32 = 40;
@@ -116,14 +116,17 @@ fn loss(patch: &BezierPatch, named: [f64; 2]) -> f64 {
 fn estimates_name_the_faster_cutter_on_random_patches() {
     let mut state = 12;
     let settings = settings(Model::Analytic);
+    // Some patches have hollows that the cutters do not fit into, which the independent simulation does not know.
     let mut losses: Vec<f64> = (0..PATCHES)
-        .map(|_| {
+        .filter_map(|_| {
             let patch = patch(&mut state);
-            let part = workpiece(&facets(&patch, 24, 24));
+            // At the edges between concave facets of 5 mm, a ball of 5 mm stands 0.01 mm over the crease.
+            let part = workpiece(&facets(&patch, 80, 80));
             let times = estimated_times(&part, &published_cutters(), &settings, &|| false).unwrap();
-            loss(&patch, [0, 1].map(|cutter: usize| times[cutter].map_or(f64::INFINITY, Time::seconds)))
+            Some(loss(&patch, [times[0]?.seconds(), times[1]?.seconds()]))
         })
         .collect();
+    assert!(losses.len() >= 20, "{} of {PATCHES} patches are reached", losses.len());
     losses.sort_by(f64::total_cmp);
     let [median, most] = [losses[losses.len() / 2], losses[losses.len() * 95 / 100]];
     println!("losses: {median:.4} in the median, {most:.4} at 95 %, {:.4} at most", losses[losses.len() - 1]);
@@ -133,12 +136,14 @@ fn estimates_name_the_faster_cutter_on_random_patches() {
 #[test]
 fn the_faster_cutter_is_recommended_on_random_patches() {
     let mut state = 12;
-    for _ in 0..2 {
+    for _ in 0..3 {
         let patch = patch(&mut state);
         let ranking = ranked(&facets(&patch, 24, 24), &published_cutters(), &settings(Model::Analytic));
-        let of =
-            |cutter: usize| ranking.plans.iter().find(|plan| plan.candidate == cutter).map_or(f64::INFINITY, |plan| plan.time.seconds());
-        let loss = loss(&patch, [of(0), of(1)]);
+        if !ranking.not_ranked.is_empty() {
+            continue;
+        }
+        let seconds = |cutter: usize| ranking.plans.iter().find(|plan| plan.candidate == cutter).map(|plan| plan.time.seconds());
+        let loss = loss(&patch, [0, 1].map(|cutter| seconds(cutter).unwrap()));
         assert!(loss <= 0.04, "{loss}");
     }
 }
