@@ -18,7 +18,7 @@ mod unit;
 pub use bezier::{Bezier, BezierError};
 pub use bounds::Bounds;
 pub use grid::{Grid, GridError};
-pub use mesh::{FinishFacet, Mesh, MeshBuilder, MeshError, MeshPart};
+pub use mesh::{FinishFacet, Mesh, MeshBuilder, MeshError};
 pub use moments::Moments;
 pub use principal_axes::PrincipalAxes;
 pub(crate) use received::{MOST_FACETS, ReceivedSurface};
@@ -41,14 +41,4 @@ pub trait Sink {
     /// Reverses the outer side of every facet; to be called after the last facet. Does nothing in a sink that ignores
     /// sides.
     fn turn_over(&mut self) {}
-}
-
-/// A sink that accepts points and facets in parts, which several threads fill.
-pub trait PartedSink: Sink {
-    /// The points and facets of a part of a surface.
-    type Part: Sink + Send;
-    /// An empty part for points and facets that follow.
-    fn part(&self) -> Self::Part;
-    /// Adds a part, as if its points and facets came after those before it.
-    fn append(&mut self, part: Self::Part);
 }

@@ -1,5 +1,5 @@
-//! Doubt about the unit of a file that states none: a part that is smaller than every cutter, or larger than any machine,
-//! is probably in another unit than was assumed.
+//! Doubt about the unit of a file that states none: a part that is smaller than every cutter or than most milled
+//! parts, or larger than any machine, is probably in another unit than was assumed.
 
 use crate::http::codes::WarningCode;
 use crate::http::wire::{UNIT, Warning};
@@ -30,6 +30,8 @@ impl UnitDoubt {
         let side_mm = (max[0] - min[0]).max(max[1] - min[1]);
         let (bound_mm, reason) = if side_mm < smallest_mm {
             (smallest_mm, format!("smaller than the smallest cutter, {} mm", rounded(smallest_mm)))
+        } else if side_mm < SMALLEST_USUAL {
+            (SMALLEST_USUAL, "smaller than most milled parts".to_owned())
         } else if side_mm > LARGEST {
             (LARGEST, "larger than most machines".to_owned())
         } else {
@@ -84,6 +86,12 @@ mod tests {
             (0.3, Unit::Millimetre, 2.0, "\"m\" (300 mm)"),
             (1.5, Unit::Millimetre, 6.0, "\"m\" (1500 mm) or \"inch\" (38.1 mm) or \"cm\" (15 mm)"),
             (4.0, Unit::Millimetre, 6.0, "\"inch\" (101.6 mm) or \"cm\" (40 mm)"),
+            (
+                4.0,
+                Unit::Millimetre,
+                1.0,
+                "smaller than most milled parts; if the file is in another unit, state it: \"inch\" (101.6 mm) or \"cm\" (40 mm)",
+            ),
             (0.0002, Unit::Metre, 1.0, "state `unit`"),
             (0.05, Unit::Inch, 3.0, "\"m\" (50 mm)"),
         ] {
@@ -104,7 +112,7 @@ mod tests {
 
     #[test]
     fn usual_parts_raise_no_doubt() {
-        for (side, smallest) in [(6.0, 6.0), (60.0, 6.0), (2000.0, 20.0), (9000.0, 20.0), (1.0, 0.5)] {
+        for (side, smallest) in [(10.0, 6.0), (20.0, 20.0), (60.0, 6.0), (2000.0, 20.0), (9000.0, 20.0)] {
             assert_eq!(doubt(side, Unit::Millimetre, smallest), None, "{side}");
         }
     }

@@ -2,7 +2,6 @@
 
 use super::left_out::LeftOut;
 use super::merge::HeightLattice;
-use super::part::{MeshPart, PartFacets};
 use super::thinning::PointCloud;
 use super::weld::Welder;
 use super::{Mesh, MeshError, twice_area};
@@ -217,38 +216,6 @@ impl MeshBuilder {
             return Err(MeshError::NothingFromAbove);
         }
         Ok(Mesh::assembled(points, triangles, self.left_out.degenerate, merged, from_points))
-    }
-
-    /// An empty part for facets or points that follow.
-    #[must_use]
-    pub fn part(&self) -> MeshPart {
-        if self.lattice.is_some() { MeshPart::of_separate_facets() } else { MeshPart::default() }
-    }
-
-    /// Adds a part, as if its facets or points had come one by one.
-    pub fn append(&mut self, part: MeshPart) {
-        let MeshPart { facets, left_out, bounds, points } = part;
-        self.left_out.merge(left_out);
-        if self.facets == 0 {
-            for point in points {
-                self.cloud.add(point);
-            }
-        }
-        match facets {
-            PartFacets::Welded { welder, triangles } if self.lattice.is_none() && self.triangles.len() + triangles.len() <= self.limit => {
-                self.facets += triangles.len() as u64;
-                self.bounds.merge(&bounds);
-                let numbers: Vec<u32> = welder.points().iter().map(|&point| self.welder.index(point)).collect();
-                self.triangles.extend(triangles.into_iter().map(|triangle| triangle.map(|corner| numbers[corner as usize])));
-            }
-            PartFacets::Welded { welder, triangles } => {
-                let corners = welder.into_points();
-                for triangle in triangles {
-                    self.add(triangle.map(|corner| corners[corner as usize]));
-                }
-            }
-            PartFacets::Separate(facets) => facets.into_iter().for_each(|corners| self.add(corners)),
-        }
     }
 
     /// Adds a facet with an area and coordinates in range.

@@ -33,12 +33,6 @@ impl LeftOut {
         self.degenerate += u64::from(!has_area);
         has_area
     }
-
-    /// Adds the counts of another part.
-    pub(super) fn merge(&mut self, other: Self) {
-        self.degenerate += other.degenerate;
-        self.is_out_of_range |= other.is_out_of_range;
-    }
 }
 
 /// Whether all coordinates are numbers of at most [`LARGEST_COORDINATE`] in magnitude.

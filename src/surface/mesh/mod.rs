@@ -10,7 +10,6 @@ mod flat_regions;
 mod left_out;
 mod merge;
 mod occluded;
-mod part;
 mod pieces;
 mod selection;
 #[cfg(test)]
@@ -26,7 +25,6 @@ mod weld;
 pub use builder::{MeshBuilder, MeshSize};
 pub use curvature::CREASE_ANGLE_DEG;
 pub use finish_facet::FinishFacet;
-pub use part::MeshPart;
 pub use pieces::{Closure, Pieces};
 pub use selection::{Selection, SelectionError};
 pub use view::{NO_FACET, ViewFromAbove};

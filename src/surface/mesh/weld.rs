@@ -28,13 +28,6 @@ impl Welder {
         Self { points: Vec::new(), table: HashTable::new(), keys: HashKeys::random() }
     }
 
-    /// Makes room for `more` distinct points.
-    pub(super) fn reserve(&mut self, more: usize) {
-        let Self { points, table, keys } = self;
-        points.reserve(more);
-        table.reserve(more, |&other| keys.hash(points[other as usize]));
-    }
-
     /// The number of a point, from 0 in the order of the first occurrence. 0 and -0 are equal; there is no NaN.
     pub(super) fn index(&mut self, point: [f64; 3]) -> u32 {
         // Adding 0 removes the sign of a zero.
