@@ -12,8 +12,7 @@
 
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
-use scallopd::planning::reach::{ReachMap, Uncut};
-use scallopd::planning::zigzag::{CandidateCutter, Ranking, SurfaceEvidence, ZigzagSettings, rank};
+use scallopd::planning::plan::{CandidateCutter, PlanSettings, Ranking, SurfaceEvidence, Workpiece, rank};
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, Mesh, MeshBuilder, Sink, Unit};
@@ -79,16 +78,11 @@ fn measured<T>(mut call: impl FnMut() -> T) -> [f64; 2] {
 const SERVICE_LIMIT: usize = 500_000;
 
 /// The ranking of these cutters, with all stages after reading.
-fn planned(mesh: &Mesh, cutters: &[Cutter], settings: &ZigzagSettings) -> Option<Ranking> {
+fn planned(mesh: &Mesh, cutters: &[Cutter], settings: &PlanSettings) -> Option<Ranking> {
     let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
-    let facets = mesh.facets_for_finishing(&mesh.visibility(settings.max_slope), &selected);
-    let reach = ReachMap::new(mesh, &mesh.seen_from_above(256), &vec![true; mesh.triangles().len()]);
-    let candidates: Vec<_> = cutters.iter().zip(reach.uncut_of_each(cutters, settings.scallop_height)).map(with_reach).collect();
-    rank(&facets, &candidates, settings, SurfaceEvidence::default(), &|| false)
-}
-
-fn with_reach((cutter, uncut): (&Cutter, Uncut)) -> CandidateCutter {
-    CandidateCutter { reach: Some((&uncut).into()), ..CandidateCutter::new(*cutter) }
+    let workpiece = Workpiece::new(mesh, &mesh.visibility(settings.max_slope), &selected, None, &|| false);
+    let candidates: Vec<_> = cutters.iter().copied().map(CandidateCutter::new).collect();
+    rank(&workpiece, &candidates, settings, SurfaceEvidence::default(), &|| false)
 }
 
 /// The largest memory of this process so far, in MB.
@@ -100,7 +94,7 @@ fn largest_memory() -> f64 {
 
 fn main() {
     let machine = Machine::from(Preset::named("five_axis_vmc").expect("a preset").limits);
-    let settings = ZigzagSettings::new(mm(0.01), machine);
+    let settings = PlanSettings::new(mm(0.01), machine);
     let max_slope = Angle::from_degrees(85.0).expect("an angle");
     let stated: Vec<u32> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
     if std::env::args().any(|argument| argument == "memory") {
@@ -134,19 +128,14 @@ fn main() {
         let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
         report("visibility", &mut || drop(black_box(mesh.visibility(max_slope))));
         let visibility = mesh.visibility(max_slope);
-        report("facets and curvature", &mut || drop(black_box(mesh.facets_for_finishing(&visibility, &selected))));
-        let finished = mesh.facets_for_finishing(&visibility, &selected);
+        report("workpiece", &mut || drop(black_box(Workpiece::new(&mesh, &visibility, &selected, None, &|| false))));
+        let workpiece = Workpiece::new(&mesh, &visibility, &selected, None, &|| false);
         report("view", &mut || drop(black_box(mesh.seen_from_above(256))));
-        let view = mesh.seen_from_above(256);
-        let machined = vec![true; facets];
-        report("reach map", &mut || drop(black_box(ReachMap::new(&mesh, &view, &machined))));
-        let reach = ReachMap::new(&mesh, &view, &machined);
         for count in [2, 50] {
             let cutters = cutters(count);
-            report(&format!("reach of {count}"), &mut || drop(black_box(reach.uncut_of_each(&cutters, mm(0.01)))));
-            let candidates: Vec<_> = cutters.iter().zip(reach.uncut_of_each(&cutters, mm(0.01))).map(with_reach).collect();
+            let candidates: Vec<_> = cutters.iter().copied().map(CandidateCutter::new).collect();
             report(&format!("rank {count}"), &mut || {
-                drop(black_box(rank(&finished, &candidates, &settings, SurfaceEvidence::default(), &|| false)));
+                drop(black_box(rank(&workpiece, &candidates, &settings, SurfaceEvidence::default(), &|| false)));
             });
             report(&format!("all, {count} cutters"), &mut || drop(black_box(planned(&mesh, &cutters, &settings))));
         }

@@ -62,13 +62,13 @@
 //!
 //! # A recommendation
 //!
-//! An inclined rectangle of 80 mm by 40 mm as a mesh, two cutters, 10 um of scallop. The passes of each cutter are
-//! simulated in several directions:
+//! An inclined rectangle of 80 mm by 40 mm as a mesh, two cutters, 10 um of scallop. The paths of each cutter in
+//! its best directions are milled:
 //!
 //! ```
 //! use scallopd::milling::Cutter;
 //! use scallopd::motion::{Machine, Preset};
-//! use scallopd::planning::zigzag::{CandidateCutter, SurfaceEvidence, ZigzagSettings, rank};
+//! use scallopd::planning::plan::{CandidateCutter, PlanSettings, SurfaceEvidence, Workpiece, rank};
 //! use scallopd::quantity::{Angle, Length};
 //! use scallopd::surface::mesh::Selection;
 //! use scallopd::surface::{Facing, MeshBuilder, Unit};
@@ -78,13 +78,13 @@
 //! mesh.indexed(&points, &[[0, 1, 2], [0, 2, 3]])?;
 //! let mesh = mesh.finish(Unit::Millimetre, Facing::Up)?;
 //! let selected = mesh.selected(&Selection::all(), &mesh.pieces())?;
-//! let facets = mesh.facets_for_finishing(&mesh.visibility(Angle::from_degrees(85.0)?), &selected);
+//! let part = Workpiece::new(&mesh, &mesh.visibility(Angle::from_degrees(85.0)?), &selected, None, &|| false);
 //!
 //! let diameter = Length::from_mm(10.0)?;
 //! let candidates = [Cutter::toroidal(diameter, Length::from_mm(2.0)?)?, Cutter::ball_end(diameter)].map(CandidateCutter::new);
 //! let machine = Machine::from(Preset::named("five_axis_vmc").ok_or("no such machine")?.limits);
-//! let settings = ZigzagSettings::new(Length::from_mm(0.01)?, machine);
-//! let ranking = rank(&facets, &candidates, &settings, SurfaceEvidence::default(), &|| false).ok_or("it was cancelled")?;
+//! let settings = PlanSettings::new(Length::from_mm(0.01)?, machine);
+//! let ranking = rank(&part, &candidates, &settings, SurfaceEvidence::default(), &|| false).ok_or("it was cancelled")?;
 //!
 //! let fastest = &ranking.plans[0];
 //! assert_eq!(fastest.candidate, 0);

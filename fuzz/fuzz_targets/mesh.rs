@@ -5,8 +5,7 @@
 
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
-use scallopd::planning::reach::{ReachMap, RestingHeights};
-use scallopd::planning::zigzag::{CandidateCutter, Directions, SurfaceEvidence, ZigzagSettings, passes, rank};
+use scallopd::planning::plan::{CandidateCutter, Directions, PlanSettings, SurfaceEvidence, Workpiece, passes, rank};
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, MeshBuilder, Sink, Unit};
@@ -44,22 +43,19 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     for facet in &facets {
         assert!(facet.normal[2] > 0.0 && facet.area > 0.0 && facet.curvature.iter().all(|part| part.is_finite()));
     }
-    let view = mesh.seen_from_above(32);
     let cutter = Cutter::toroidal(Length::from_mm(10.0).expect("a length"), Length::from_mm(2.0).expect("a length")).expect("a cutter");
     let height = Length::from_mm(0.01).expect("a length");
-    let uncut = ReachMap::new(&mesh, &view, &vec![true; selected.len()]).uncut(cutter, height);
-    assert!((0.0..=1.0).contains(&uncut.share) && uncut.height.mm().is_finite());
     let machine = Machine::from(Preset::named("five_axis_vmc").expect("a preset").limits);
     let directions = Directions::Only(vec![Angle::from_degrees(f64::from(*first)).expect("an angle")]);
-    let settings = ZigzagSettings { directions, ..ZigzagSettings::new(height, machine) };
-    let ranking =
-        rank(&facets, &[CandidateCutter::new(cutter)], &settings, SurfaceEvidence::default(), &|| false).expect("nobody stops it");
-    let resting = RestingHeights::new(&view);
-    let raised = |tip: [f64; 3]| resting.raised(cutter, tip);
+    let settings = PlanSettings { directions, max_uncut_share: 1.0, ..PlanSettings::new(height, machine) };
+    let workpiece = Workpiece::new(&mesh, &visibility, &selected, None, &|| false);
+    let candidate = CandidateCutter::new(cutter);
+    let ranking = rank(&workpiece, &[candidate], &settings, SurfaceEvidence::default(), &|| false).expect("nobody stops it");
     for plan in &ranking.plans {
-        assert!(plan.time.seconds() > 0.0 && plan.time.seconds().is_finite() && plan.path_length().mm().is_finite());
-        let Ok(passes) = passes(plan, &facets, &CandidateCutter::new(cutter), &settings, &raised, 10_000) else { continue };
-        assert!(passes.time.seconds().is_finite() && !passes.run_starts.is_empty());
-        assert!(passes.points.iter().all(|point| point.tip.iter().chain(point.contact.iter().flatten()).all(|part| part.is_finite())));
+        assert!(plan.time.seconds() > 0.0 && plan.time.seconds().is_finite());
+        let Some(passes) = passes(&workpiece, plan, &candidate, &settings, &|| false) else { continue };
+        assert!(!passes.run_starts.is_empty());
+        let contacts = passes.points.iter().filter_map(|point| point.cut).flat_map(|cut| cut.contact);
+        assert!(passes.points.iter().flat_map(|point| point.tip).chain(contacts).all(f64::is_finite));
     }
 });

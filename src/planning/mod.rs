@@ -1,15 +1,14 @@
 //! Planning: the choice of the cutter that finishes a surface soonest. Heights and step-overs come from `milling`,
 //! times from `motion`, shapes and facets from `surface`.
 //!
-//! There are two methods. [`rectangle`], the published one, replaces the surface by an inclined rectangle. [`zigzag`]
-//! simulates the passes on the surface itself.
+//! There are two methods. [`rectangle`], the published one, replaces the surface by an inclined rectangle. [`plan`] plans
+//! the tips of the cutter on the part itself, and mills them.
 
 mod confidence;
 pub(crate) mod machined_surface;
-pub mod memory;
-pub mod reach;
+
+pub mod plan;
 pub mod rectangle;
-pub mod zigzag;
 
 pub use confidence::{Confidence, Level, Reason};
 pub use rectangle::{

@@ -22,6 +22,10 @@ async fn the_patch_of_surface_1_and_its_answer_fit_the_schemas_of_the_document()
 async fn the_files_of_surface_2_give_the_answer_of_its_patch() {
     let app = TestApp::start().await;
     let mut parameters = parse(include_str!("../../examples/surface_2.json"));
+    // The files have 40 x 40 samples or quads. The path is milled on facets, which at that size are up to half of the
+    // scallop height from the patch, so that the patch is sampled like them.
+    parameters["surface"]["samples"] = json!(40);
+    parameters["directions_deg"] = json!([0]);
     let patch = app.recommend(&parameters).await.ok();
     parameters.as_object_mut().unwrap().remove("surface");
     let files: [(&str, &[u8], &str); 2] = [

@@ -6,6 +6,7 @@ mod faults;
 mod formats;
 mod heights;
 mod libraries;
+mod plan;
 mod published;
 mod recommendation;
 mod simulated;
@@ -14,7 +15,6 @@ mod surfaces;
 mod upload;
 mod warned;
 mod wavy;
-mod zigzag;
 
 use serde_json::{Value, json};
 

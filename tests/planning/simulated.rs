@@ -51,7 +51,7 @@ async fn a_surface_in_every_form_gives_the_same_recommendation() {
 
 /// A groove of 4 mm radius, 30 deg at its ends, in a plate 64 mm wide.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn grooves_that_the_cutter_gouges_count_as_over_tolerance() {
+async fn grooves_that_the_cutter_does_not_fit_into_count_as_uncut() {
     let row = |y: f64| {
         (0..=320).map(move |step: u32| {
             let x = 0.2 * f64::from(step);
@@ -65,12 +65,17 @@ async fn grooves_that_the_cutter_gouges_count_as_over_tolerance() {
     let surface =
         json!({"surface": {"grid": {"rows": 41, "columns": 321, "points": points}}, "directions_deg": [90], "max_uncut_share": 0.1});
     let cutter = |diameter: f64| json!({"cutters": [{"type": "ball_end", "diameter_mm": diameter}]});
-    let over = async |diameter: f64| {
+    // [what a larger cutter leaves, what the passes leave of what this one reaches, the deepest cut]
+    let left = async |diameter: f64| {
         let answer = app.recommend(&with(with(simulated(), surface.clone()), cutter(diameter))).await.ok();
-        figure(&answer, "/candidates/0/over_tolerance_share")
+        ["uncut_share", "over_tolerance_share", "gouge_mm"].map(|name| figure(&answer, &format!("/candidates/0/{name}")))
     };
-    assert!(over(10.0).await > 0.04);
-    assert!(over(4.0).await < 0.02);
+    // The groove is 4 mm of the 64 mm, 0.065 of the area. A ball of 5 mm rests on its edges and stands
+    // (4 - sqrt(12)) - (5 - sqrt(21)) = 0.118 mm over its middle.
+    let [uncut, over, gouge] = left(10.0).await;
+    assert!((0.04..0.07).contains(&uncut) && over < 0.005 && gouge < 0.005, "{uncut} {over} {gouge}");
+    let [uncut, over, gouge] = left(4.0).await;
+    assert!(uncut + over < 0.005 && gouge < 0.005, "{uncut} {over} {gouge}");
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -191,8 +196,9 @@ async fn a_fine_mesh_of_a_plane_has_the_plan_of_a_coarse_one() {
         let answer = app.upload(fine.clone(), &asked).await.ok();
         let best = &answer["candidates"][0];
         assert_eq!(best["cutter"], 0, "directions {directions}");
-        let most = if directions.is_null() { 1.02 } else { 1.0 + 1e-4 };
-        assert!(figure(best, "machining_time_s") <= most * seconds, "directions {directions}: {best:#}");
+        // Plans are spaced from random places, and may differ by a line.
+        let lines = figure(&coarse, "/candidates/0/passes");
+        assert!(figure(best, "machining_time_s") <= (1.0 + 1.0 / lines) * seconds, "directions {directions}: {best:#}, {coarse:#}");
         for candidate in answer["candidates"].as_array().unwrap() {
             let times = candidate["by_direction"]["machining_time_s"].as_array().unwrap();
             assert!(times.iter().all(Value::is_number), "directions {directions}");

@@ -71,18 +71,22 @@ async fn turning_the_part_about_z_turns_the_direction() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn refining_a_patch_converges() {
+    const HEIGHT: f64 = 0.05;
     let app = TestApp::start().await;
     let patch: Value = serde_json::from_str(include_str!("../../examples/surface_2.json")).unwrap();
     let mut times = Vec::new();
     for samples in [20, 40, 80] {
         let surface = with(patch["surface"].clone(), json!({"samples": samples}));
-        let answer = app.recommend(&with(in_directions(&[0.0, 90.0]), json!({"surface": surface}))).await.ok();
+        let request = with(in_directions(&[0.0, 90.0]), json!({"surface": surface, "scallop_height_mm": HEIGHT}));
+        let answer = app.recommend(&request).await.ok();
         times.push([0, 1].map(|place| figure(&answer, &format!("/candidates/{place}/machining_time_s"))));
     }
-    // One pass more or less is 1 in 90.
-    for (place, tolerance) in [(0, 0.025), (1, 0.012)] {
+    // The path is milled on the facets. Those of 3 mm are up to 3^2/(8 x 50) = 0.022 mm from the patch with its radii of 50 mm
+    // and more, half of them a quarter; spacings, and with them times, go with the square root of the height. One line more or
+    // less is 1 in 40.
+    for (place, sagitta) in [(0, 0.022), (1, 0.0055)] {
         for (coarse, fine) in times[place].iter().zip(&times[place + 1]) {
-            assert_relative_eq!(*coarse, *fine, max_relative = tolerance);
+            assert_relative_eq!(*coarse, *fine, max_relative = 0.5 * sagitta / HEIGHT + 1.0 / 40.0);
         }
     }
 }
@@ -144,29 +148,20 @@ fn slotted(length: f64, slot: f64) -> Value {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn slots_narrower_than_the_cutter_are_uncut_on_large_plates_too() {
     let app = TestApp::start().await;
-    let cutters =
-        json!({"cutters": [{"type": "flat_end", "diameter_mm": 6}, {"type": "flat_end", "diameter_mm": 3}], "max_uncut_share": 1});
     for length in [100.0, 500.0, 1000.0] {
-        let answer = app.recommend(&with(with(in_directions(&[90.0]), slotted(length, 4.0)), cutters.clone())).await.ok();
-        assert_eq!(answer["surface"]["visible_area_share"], 1.0);
-        // The map of each cutter alone, as the workbench shows it.
-        for (diameter, uncut) in [(6, 5.0), (3, 0.0)] {
+        // The larger cutter does not fit into the slots of 4 mm, the last of which has a wall at the border of the plate.
+        for (diameter, height, slots) in [(6, 5.0, 10.0 * 4.0 / length), (3, 0.0, 0.0)] {
             let alone = json!({"cutters": [{"type": "flat_end", "diameter_mm": diameter}], "max_uncut_share": 1, "include": ["map"]});
             let answer = app.recommend(&with(with(in_directions(&[90.0]), slotted(length, 4.0)), alone)).await.ok();
+            assert_eq!(answer["surface"]["visible_area_share"], 1.0);
             let map: Vec<Option<f64>> = serde_json::from_value(answer["map"]["uncut_mm"].clone()).unwrap();
             let largest = map.iter().flatten().copied().fold(0.0, f64::max);
-            assert!((largest - uncut).abs() < 1e-6, "{length}, {diameter}: {largest}");
-        }
-        for candidate in answer["candidates"].as_array().unwrap() {
-            // The last slot is at the border of the plate and is cut from there.
-            let (share, slots) = (figure(candidate, "/uncut_share"), 9.0 * 4.0 / length);
-            if candidate["cutter"] == 0 {
-                // Cells are partly over a slot.
-                assert!((share / slots - 1.0).abs() < 0.1, "{length}: {share} of {slots}");
-                assert_eq!(candidate["uncut_height_mm"], 5.0);
-            } else {
-                assert!(share <= 0.0, "{length}: {share}");
-            }
+            assert!((largest - height).abs() < 1e-6, "{length}, {diameter}: {largest}");
+            // The share of 20,000 random places has a standard error of 1/sqrt(20,000 x 0.04) = 3.5 % at most.
+            let candidate = &answer["candidates"][0];
+            let share = figure(candidate, "/uncut_share");
+            assert!((share - slots).abs() <= 0.1 * slots, "{length}, {diameter}: {share} of {slots}");
+            assert!((figure(candidate, "/uncut_height_mm") - height).abs() < 1e-6, "{length}, {diameter}: {candidate:#}");
         }
     }
 }
@@ -246,8 +241,8 @@ fn bottom(d: f64, [outer, corner]: [f64; 2]) -> Option<f64> {
     (over <= corner).then(|| corner - (corner * corner - over * over).max(0.0).sqrt())
 }
 
-/// Asserts that no tip cuts deeper into the facets than the tolerance, and that each touches them at its stated
-/// contact.
+/// Asserts that no tip cuts deeper into the facets than the tolerance, and that each touches them at its stated contact, but
+/// for the chords between tips.
 fn assert_tips_rest_on(answer: &Value, facets: &[[[f64; 3]; 3]], radii: [f64; 2], tolerance: f64) {
     let column = |name: &str| answer["passes"][name].as_array().unwrap().clone();
     let point = |value: &Value| [0, 1, 2].map(|axis| value[axis].as_f64().unwrap());

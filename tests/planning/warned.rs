@@ -1,6 +1,6 @@
 //! Warnings and reasons for less confidence of a recommendation.
 
-use crate::app::{TestApp, figure, warnings};
+use crate::app::{TestApp, warnings};
 use crate::planning::wavy::{self, triangles};
 use crate::planning::{job, with};
 use crate::writers::exact;
@@ -54,14 +54,4 @@ async fn a_spindle_speed_over_the_machines_is_named() {
     let at_limit = app.recommend(&recommended(5000)).await.ok();
     assert!(!warnings(&at_limit).contains(&"spindle-speed-limited"));
     assert_eq!(limited["candidates"], at_limit["candidates"]);
-}
-
-/// The time of a plan is that of the contacts, even if some tips are raised and have no contact. The passes state the
-/// time of the tips.
-#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn passes_state_the_time_of_their_tips() {
-    let app = TestApp::start().await;
-    let answer = app.recommend(&with(with(job(), mesh(false)), json!({"include": ["passes"]}))).await.ok();
-    let (tips, contacts) = (figure(&answer, "/passes/machining_time_s"), figure(&answer, "/recommended/machining_time_s"));
-    assert!(tips > 0.9 * contacts && tips < 1.5 * contacts, "{tips} s, {contacts} s");
 }

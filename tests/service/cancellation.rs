@@ -138,7 +138,7 @@ async fn work_ends_soon_after_its_client_closed_the_connection() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn work_on_a_recommendation_ends_soon_after_its_time_is_over() {
     // The time counts from the request's last byte.
-    let program = Program::start(&["--request-timeout-s", "3"]);
+    let program = Program::start(&["--request-timeout-s", "1"]);
     let mut stream = TcpStream::connect(program.address).await.unwrap();
     stream.write_all(&upload()).await.unwrap();
     let mut answer = [0; 12];

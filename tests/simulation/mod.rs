@@ -8,8 +8,9 @@
 //! ```
 
 mod curved;
-mod random;
+pub(crate) mod random;
 mod solid;
+pub(crate) mod swept;
 
 use random::Random;
 use scallopd::milling::{Contact, Cutter, Envelope, NoAnswer, Pass, Runout, SurfaceCurvature};

@@ -15,18 +15,21 @@ export const nameOf = (candidate) => candidate.name ?? `${inWords(candidate.type
 const swatch = (i) => el('span', { class: `swatch ${SERIES[i] ?? ''}` });
 const timeOf = (name, seconds, longest) => el('data', { value: seconds ?? '', 'data-figure': name }, formatTime(seconds, longest));
 
-// [name in the glossary, figure of a candidate]; step-overs are a distribution, of which the median is shown.
+// [name in the glossary, figure of a candidate]; step-overs are a distribution, of which the median is shown. A candidate whose time is an estimate has no
+// figures of a path.
 const COLUMNS = [
   ['machining_time_s', (candidate) => candidate.machining_time_s],
   ['direction_deg', (candidate) => candidate.direction_deg],
   ['passes', (candidate) => candidate.passes],
-  ['step_over_xy_mm', (candidate) => candidate.step_over_xy_mm.median],
+  ['step_over_xy_mm', (candidate) => candidate.step_over_xy_mm?.median],
   ['feed_rate_mm_min', (candidate) => candidate.feed_rate_mm_min],
   ['scallop_p99_mm', (candidate) => candidate.scallop_height_mm?.p99],
   ['scallop_max_mm', (candidate) => candidate.scallop_height_mm?.max],
   ['over_tolerance_share', (candidate) => candidate.over_tolerance_share],
   ['uncut_share', (candidate) => candidate.uncut_share],
   ['uncut_height_mm', (candidate) => candidate.uncut_height_mm],
+  ['gouge_mm', (candidate) => candidate.gouge_mm],
+  ['used_share', (candidate) => candidate.used_share],
   ['links_lifts', (candidate) => candidate.links?.lifts],
   ['least_time_s', (candidate) => candidate.least_time_s],
   ['rectangle_time_s', (candidate) => candidate.rectangle?.machining_time_s],

@@ -36,13 +36,15 @@ const ranking = (page) =>
 const FIGURES = [
   ['direction_deg', (candidate) => candidate.direction_deg, 1, 1],
   ['passes', (candidate) => candidate.passes, 1, 1],
-  ['step_over_xy_mm', (candidate) => candidate.step_over_xy_mm.median, 1, 1 / INCH],
+  ['step_over_xy_mm', (candidate) => candidate.step_over_xy_mm?.median, 1, 1 / INCH],
   ['feed_rate_mm_min', (candidate) => candidate.feed_rate_mm_min, 1, 1 / INCH],
-  ['scallop_p99_mm', (candidate) => candidate.scallop_height_mm.p99, 1000, 1000 / INCH],
-  ['scallop_max_mm', (candidate) => candidate.scallop_height_mm.max, 1000, 1000 / INCH],
+  ['scallop_p99_mm', (candidate) => candidate.scallop_height_mm?.p99, 1000, 1000 / INCH],
+  ['scallop_max_mm', (candidate) => candidate.scallop_height_mm?.max, 1000, 1000 / INCH],
   ['over_tolerance_share', (candidate) => candidate.over_tolerance_share, 100, 100],
   ['uncut_share', (candidate) => candidate.uncut_share, 100, 100],
   ['uncut_height_mm', (candidate) => candidate.uncut_height_mm, 1000, 1000 / INCH],
+  ['gouge_mm', (candidate) => candidate.gouge_mm, 1000, 1000 / INCH],
+  ['used_share', (candidate) => candidate.used_share, 100, 100],
 ];
 const TIMES = [['machining_time_s', (candidate) => candidate.machining_time_s], ['least_time_s', (candidate) => candidate.least_time_s], ['rectangle_time_s', (candidate) => candidate.rectangle.machining_time_s]];
 

@@ -2,7 +2,7 @@
 
 use super::{codes, same_names};
 use crate::planning::Weakness;
-use crate::planning::zigzag::SurfaceWeakness;
+use crate::planning::plan::SurfaceWeakness;
 
 codes! {
     /// The weakness, as a code for programs; docs/codes.md lists meanings and remedies.
@@ -31,13 +31,14 @@ codes! {
         HiddenArea = "hidden-area": "Part of the selected area is hidden from above (undersides of closed solids are not counted)", "Machine it in another set-up.";
         InconsistentOrientation = "inconsistent-orientation": "Part of the facets face the other way than the rest", "Repair the mesh: unify the orientation of its facets.";
         UnitUnlikely = "unit-unlikely": "The size of the part suggests that its file is in another unit", "State unit.";
-        OverTolerance = "over-tolerance": "Part of the area exceeds the scallop height", "Look at the map of scallop heights; reduce the scallop height.";
+        OverTolerance = "over-tolerance": "Part of the area that the cutter reaches is left over the scallop height", "Look at the map of scallop heights; finish that part in a second operation.";
+        Gouge = "gouge": "The path cuts into the part", "Look at the passes near the deepest cut; export the surface with a finer tolerance.";
     }
 }
 
 same_names! {
     SurfaceWeakness => ConfidenceCode:
-    SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, OverTolerance,
+    SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, OverTolerance, Gouge,
 }
 
 same_names! {

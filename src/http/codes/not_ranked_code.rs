@@ -1,15 +1,13 @@
 //! The codes of reasons why a cutter is not ranked.
 
 use super::codes;
-use crate::planning::zigzag::NotRankedReason;
+use crate::planning::plan::NotRankedReason;
 
 codes! {
     /// Why a cutter is not ranked, as a code for programs; docs/codes.md lists meanings and remedies.
     NotRankedCode: none {
         CannotReach = "cannot-reach": "The cutter leaves too much of the surface uncut", "Use a smaller cutter, select the facets that it reaches, or raise max_uncut_share.";
         NoStepOver = "no-step-over": "No step-over keeps the scallop height", "Allow more height, or use another cutter.";
-        TooManyPasses = "too-many-passes": "The plan would have too many passes or runs", "Allow more height, select a part of the surface, or use a larger cutter.";
-        Gouges = "gouges": "The cutter gouges the surface beside its contacts", "Use a cutter with a larger corner radius, or a smaller one.";
         FaultyTool = "faulty-tool": "The tool's entry in its library has faults", "Correct the members that the detail names; the other tools of the library are used.";
     }
 }
@@ -17,10 +15,8 @@ codes! {
 impl From<NotRankedReason> for NotRankedCode {
     fn from(reason: NotRankedReason) -> Self {
         match reason {
-            NotRankedReason::CannotReach(_) => Self::CannotReach,
+            NotRankedReason::CannotReach { .. } => Self::CannotReach,
             NotRankedReason::NoStepOver => Self::NoStepOver,
-            NotRankedReason::TooManyPasses | NotRankedReason::TooManyRuns | NotRankedReason::TooMuchWork => Self::TooManyPasses,
-            NotRankedReason::NoHeight { .. } => Self::Gouges,
         }
     }
 }

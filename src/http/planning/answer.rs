@@ -10,7 +10,7 @@ use crate::http::codes::same_names;
 use crate::http::wire::{NamedCandidate, NotRanked, Warning, answer};
 use crate::milling::CutterKind;
 use crate::planning::RectanglePlan;
-use crate::planning::zigzag::{ScallopFigures, TourFigures, ZigzagPlan};
+use crate::planning::plan::{CandidatePlan, FinishFigures, MilledFigures, TourFigures};
 use crate::quantity::{Angle, Length, Speed, Time};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -63,9 +63,9 @@ answer! {
         /// The time of all passes and links, stops included.
         machining_time_s: f64 [minimum = 0] = candidate.machining_time_s,
         /// The median distance between passes, seen from above.
-        step_over_xy_mm: f64 [minimum = 0] = candidate.step_over_xy_mm.median,
+        step_over_xy_mm?: f64 [minimum = 0] = candidate.step_over_xy_mm.map(|spacing| spacing.median),
         /// The mean feed rate of the passes.
-        feed_rate_mm_min: f64 [minimum = 0] = candidate.feed_rate_mm_min,
+        feed_rate_mm_min?: f64 [minimum = 0] = candidate.feed_rate_mm_min,
     }
 
     /// A cutter with its fastest plan.
@@ -85,45 +85,85 @@ answer! {
         direction_deg?: f64 [minimum = 0, exclusive_maximum = 180],
         /// The time of all passes and links, stops included.
         pub(super) machining_time_s: f64 [minimum = 0],
-        /// The number of planes that contain the passes; in method rectangle the quotient of length and step-over, not
-        /// rounded.
-        passes: f64 [minimum = 0],
-        /// The length of all passes and links.
-        path_length_mm: f64 [minimum = 0],
-        /// The distances between passes, seen from above.
-        step_over_xy_mm: SpacingAnswer,
-        /// The mean feed rate of the passes: their length over the time they would take without stops.
-        feed_rate_mm_min: f64 [minimum = 0],
+        /// Whether the cutter's feed is `stated`, by teeth and spindle speed, or `assumed`: the machine's feed rate.
+        feed: FeedSource,
+        /// The number of lines of passes; in method rectangle the quotient of length and step-over, not rounded. Absent if the
+        /// time is an estimate.
+        passes?: f64 [minimum = 0],
+        /// The length of all passes and links. Absent if the time is an estimate.
+        path_length_mm?: f64 [minimum = 0],
+        /// The distances between passes, seen from above. Absent if the time is an estimate.
+        step_over_xy_mm?: SpacingAnswer,
+        /// The mean feed rate of the passes: their length over the time they would take without stops. Absent if the time is an
+        /// estimate.
+        feed_rate_mm_min?: f64 [minimum = 0],
         /// The mean feed per tooth; only for cutters with teeth and spindle speed, in method surface.
         feed_per_tooth_mm?: f64 [minimum = 0],
-        /// The figures of the simulation; only in method surface.
+        /// The figures of the plan on the surface; only in method surface.
         #[serde(flatten)]
-        simulated: Option<SimulatedFigures> [value_type = SimulatedFigures],
+        planned: Option<PlannedFigures> [value_type = PlannedFigures],
+        /// The figures of the milled path; only in method surface, and only if `figures` is `milled`.
+        #[serde(flatten)]
+        milled: Option<MilledAnswer> [value_type = MilledAnswer],
     }
 
-    /// The figures of a plan that was simulated on the surface.
+    /// The figures of a plan on the surface.
     #[derive(Clone)]
-    struct SimulatedFigures of (plan: &ZigzagPlan) {
-        /// The links between runs.
-        links: LinksAnswer [required = false] = LinksAnswer::of(&plan.tour),
-        /// The scallop height over the area, by model `envelope` with the curvature of the surface.
-        scallop_height_mm: ScallopAnswer [required = false] = ScallopAnswer::of(&plan.scallop_height),
-        /// The share of the area whose scallop height exceeds `scallop_height_mm`, or that has none, because
-        /// the cutter gouges there or leaves uncut material between its passes.
-        over_tolerance_share: f64 [required = false, minimum = 0, maximum = 1]
-            = (plan.scallop_height.over_tolerance_share + plan.scallop_height.without_height_share).min(1.0),
-        /// The share of the area that the cutter leaves uncut because it does not fit.
-        uncut_share: f64 [required = false, minimum = 0, maximum = 1] = plan.reach.map_or(0.0, |reach| reach.uncut_share),
-        /// The largest height that the cutter leaves there.
-        uncut_height_mm: f64 [required = false, minimum = 0] = plan.reach.map_or(0.0, |reach| reach.uncut_height.mm()),
-        /// The error of that height, due to the raster on which it was computed.
-        uncut_height_error_mm: f64 [required = false, minimum = 0] = plan.reach.map_or(0.0, |reach| reach.uncut_height_error.mm()),
-        /// A lower bound: no zigzag that keeps the scallop height takes less time.
+    struct PlannedFigures of (plan: &CandidatePlan) {
+        /// `milled`: the time and all figures are those of the tips' path, milled; `estimated`: the cutter's estimated time is
+        /// more than 1.5 times the shortest, or eight other cutters have shorter ones, and its path was not made.
+        figures: FiguresSource [required = false] = if plan.milled.is_some() { FiguresSource::Milled } else { FiguresSource::Estimated },
+        /// A lower bound: no passes that keep the scallop height take less time, without stops and walls.
         least_time_s: f64 [required = false, minimum = 0] = plan.least_time.seconds(),
         /// The times of the directions that were tried and have a plan.
         by_direction: ByDirection [required = false] = ByDirection::of(plan),
         /// The same cutter by the published method, if that has an answer.
         rectangle?: OnRectangle = plan.rectangle.as_ref().map(OnRectangle::of),
+    }
+
+    /// The figures of a milled path.
+    #[derive(Clone)]
+    struct MilledAnswer of (milled: &MilledFigures) {
+        /// The links between runs.
+        links: LinksAnswer [required = false] = LinksAnswer::of(&milled.tour),
+        /// The height that the path leaves, tooth marks included, over the area that the cutter can reach.
+        scallop_height_mm: ScallopAnswer [required = false] = ScallopAnswer::of(&milled.finish),
+        /// The share of the area that the cutter can reach and the path leaves more than 2 % over the scallop height.
+        over_tolerance_share: f64 [required = false, minimum = 0, maximum = 1] = milled.finish.far_over_share,
+        /// The share of the area that is left over the scallop height because the cutter does not fit.
+        uncut_share: f64 [required = false, minimum = 0, maximum = 1] = milled.finish.uncut_share,
+        /// The largest height left there.
+        uncut_height_mm: f64 [required = false, minimum = 0] = milled.finish.uncut_height.mm(),
+        /// The deepest cut into the part, links and lifts included.
+        gouge_mm: f64 [required = false, minimum = 0] = milled.finish.gouge.mm(),
+        /// The share of the area that is left with at least half of the scallop height.
+        used_share: f64 [required = false, minimum = 0, maximum = 1] = milled.finish.used_share,
+        /// The time of the path without acceleration over `least_time_s`.
+        layout_ratio: f64 [required = false, minimum = 0] = milled.layout_ratio,
+    }
+}
+
+/// How a candidate's figures were computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = FiguresSource)]
+enum FiguresSource {
+    Milled,
+    Estimated,
+}
+
+/// Where a cutter's feed rate is from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+#[schema(as = FeedSource)]
+enum FeedSource {
+    Stated,
+    Assumed,
+}
+
+impl FeedSource {
+    fn of(named: &NamedCandidate) -> Self {
+        if named.candidate.drive.is_some() { Self::Stated } else { Self::Assumed }
     }
 }
 
@@ -170,7 +210,7 @@ answer! {
     /// Scallop heights over the area.
     #[derive(Clone, Copy)]
     #[schema(as = ScallopHeights)]
-    struct ScallopAnswer of (heights: &ScallopFigures) {
+    struct ScallopAnswer of (heights: &FinishFigures) {
         /// The median.
         p50: f64 [minimum = 0] = heights.p50.mm(),
         /// The 90th percentile.
@@ -181,11 +221,10 @@ answer! {
         max: f64 [minimum = 0] = heights.max.mm(),
     }
 
-    /// Times by direction. The time of the recommended direction is that of the plan. The others are estimates: the times
-    /// before the check of the scallop height, multiplied by the factor by which the check changed the time of the fastest
-    /// direction.
+    /// Times by direction. The times of the best directions, at most three, are those of their paths; the others are
+    /// estimates, each independent of which directions were asked for.
     #[derive(Clone)]
-    struct ByDirection of (plan: &ZigzagPlan) {
+    struct ByDirection of (plan: &CandidatePlan) {
         /// The directions.
         direction_deg: Vec<f64>
             = plan.by_direction.iter().filter(|(_, time)| time.is_some()).map(|(direction, _)| line_degrees(*direction)).collect(),
@@ -206,12 +245,17 @@ answer! {
 same_names!(CutterKind => CutterKindName: Toroidal, BallEnd, FlatEnd, TaperedBall, Lens, Oval, ConicalBarrel, Profile);
 
 impl RankedCandidate {
-    /// A plan simulated on the surface.
-    pub(super) fn simulated(plan: &ZigzagPlan, candidates: &[NamedCandidate]) -> Self {
+    /// A plan on the surface.
+    pub(super) fn planned(plan: &CandidatePlan, candidates: &[NamedCandidate]) -> Self {
         let named = &candidates[plan.candidate];
-        let spacing = plan.step_over;
+        let milled = plan.milled.as_ref();
+        let spacing = |milled: &MilledFigures| SpacingAnswer {
+            min: milled.step_over.min.mm(),
+            median: milled.step_over.median.mm(),
+            max: milled.step_over.max.mm(),
+        };
         #[expect(clippy::cast_precision_loss, reason = "at most 50,000")]
-        let passes = plan.planes as f64;
+        let lines = |milled: &MilledFigures| milled.lines as f64;
         Self {
             cutter: plan.candidate,
             name: named.name.clone(),
@@ -219,12 +263,14 @@ impl RankedCandidate {
             kind: named.candidate.cutter.kind().into(),
             direction_deg: Some(line_degrees(plan.direction)),
             machining_time_s: plan.time.seconds(),
-            passes,
-            path_length_mm: plan.path_length().mm(),
-            step_over_xy_mm: SpacingAnswer { min: spacing.min.mm(), median: spacing.median.mm(), max: spacing.max.mm() },
-            feed_rate_mm_min: plan.feed_rate.mm_min(),
-            feed_per_tooth_mm: plan.feed_per_tooth.map(Length::mm),
-            simulated: Some(SimulatedFigures::of(plan)),
+            feed: FeedSource::of(named),
+            passes: milled.map(lines),
+            path_length_mm: milled.map(|milled| milled.tour.run_length + milled.tour.link_length),
+            step_over_xy_mm: milled.map(spacing),
+            feed_rate_mm_min: milled.map(|milled| milled.feed_rate.mm_min()),
+            feed_per_tooth_mm: milled.and_then(|milled| milled.feed_per_tooth).map(Length::mm),
+            planned: Some(PlannedFigures::of(plan)),
+            milled: milled.map(MilledAnswer::of),
         }
     }
 
@@ -241,12 +287,14 @@ impl RankedCandidate {
             kind: named.candidate.cutter.kind().into(),
             direction_deg: plan.direction.map(line_degrees),
             machining_time_s: plan.zigzag.time.seconds(),
-            passes: plan.zigzag.passes,
-            path_length_mm: plan.zigzag.path_length.mm(),
-            step_over_xy_mm: SpacingAnswer { min: step_over, median: step_over, max: step_over },
-            feed_rate_mm_min: feed_rate.mm_min(),
+            feed: FeedSource::Assumed,
+            passes: Some(plan.zigzag.passes),
+            path_length_mm: Some(plan.zigzag.path_length.mm()),
+            step_over_xy_mm: Some(SpacingAnswer { min: step_over, median: step_over, max: step_over }),
+            feed_rate_mm_min: Some(feed_rate.mm_min()),
             feed_per_tooth_mm: None,
-            simulated: None,
+            planned: None,
+            milled: None,
         }
     }
 

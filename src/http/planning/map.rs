@@ -3,7 +3,7 @@
 use super::simulation::Simulation;
 use crate::http::wire::answer;
 use crate::planning::machined_surface::{MachinedSurface, Stop};
-use crate::planning::zigzag::heights;
+use crate::planning::plan::left_at;
 use crate::quantity::Length;
 
 answer! {
@@ -23,11 +23,12 @@ answer! {
         z_mm: Vec<Option<f64>>,
         /// The slope of the facet seen there; null where there is no surface.
         slope_deg: Vec<Option<f64>>,
-        /// The scallop height of the recommended plan on that facet, by model `envelope`; null where nothing is machined or
-        /// the cutter does not reach the surface.
+        /// The height that the recommended plan leaves there, milled, tooth marks included; null where nothing is machined or
+        /// the cutter cannot reach the surface.
         scallop_height_mm: Vec<Option<f64>>,
-        /// The height that the recommended cutter leaves uncut because it does not fit; null where nothing is machined.
-        uncut_mm: Vec<Option<f32>>,
+        /// The height that the recommended plan leaves where its cutter does not fit, milled; 0 where it fits; null where
+        /// nothing is machined, or no move comes over the surface.
+        uncut_mm: Vec<Option<f64>>,
     }
 }
 
@@ -37,13 +38,29 @@ impl MapAnswer {
         let plan = simulation.ranking.plans.first()?;
         let view = &machined.view;
         let frame = view.frame;
-        let facet_of_cell: Vec<Option<u32>> = (0..frame.cells()).map(|cell| machined.facet_of_cell(cell)).collect();
-        let mut seen: Vec<u32> = facet_of_cell.iter().flatten().copied().collect();
-        seen.sort_unstable();
-        seen.dedup();
-        let candidate = &simulation.candidates[plan.candidate];
-        let heights = heights(plan, &machined.facets, candidate, &simulation.settings, &seen, stop);
-        let height_of = |facet: u32| seen.binary_search(&facet).ok().and_then(|place| heights[place]).map(Length::mm);
+        let middle = |cell: usize| {
+            let (column, row) = (cell % frame.columns, cell / frame.columns);
+            #[expect(clippy::cast_precision_loss, reason = "at most 256")]
+            let at = |index: usize, axis: usize| frame.origin[axis] + (index as f64 + 0.5) * frame.cell;
+            [at(column, 0), at(row, 1), view.heights[cell]]
+        };
+        let cells: Vec<(usize, usize)> = (0..frame.cells())
+            .filter_map(|cell| {
+                let facet = u32::try_from(view.facet(cell)?).ok()?;
+                Some((cell, machined.workpiece.target_of(facet)?))
+            })
+            .collect();
+        let points: Vec<_> = cells.iter().map(|&(cell, target)| (target, middle(cell))).collect();
+        let left = left_at(&machined.workpiece, plan, &simulation.settings, &points, stop)?;
+        let (mut scallops, mut uncut) = (vec![None; frame.cells()], vec![None; frame.cells()]);
+        for (&(cell, _), left) in cells.iter().zip(&left) {
+            let height = left.height.map(Length::mm);
+            if left.is_reached {
+                (scallops[cell], uncut[cell]) = (height, Some(0.0));
+            } else {
+                uncut[cell] = height;
+            }
+        }
         let slope_of = |facet: usize| {
             let ([x, y, z], _) = machined.mesh.normal_and_area(facet);
             x.hypot(y).atan2(z.abs()).to_degrees()
@@ -55,8 +72,8 @@ impl MapAnswer {
             origin_mm: frame.origin,
             z_mm: view.heights.iter().map(|&z| z.is_finite().then_some(z)).collect(),
             slope_deg: view.of_facets(slope_of).values,
-            scallop_height_mm: facet_of_cell.iter().map(|facet| facet.and_then(height_of)).collect(),
-            uncut_mm: machined.uncut_heights(candidate, simulation.settings.scallop_height, stop).values,
+            scallop_height_mm: scallops,
+            uncut_mm: uncut,
         })
     }
 }

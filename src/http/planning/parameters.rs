@@ -8,7 +8,7 @@ use crate::http::wire::{
 };
 use crate::milling::Model;
 use crate::motion;
-use crate::planning::zigzag::{Directions, Pattern, ZigzagSettings};
+use crate::planning::plan::{Directions, Pattern, PlanSettings};
 use crate::quantity::{Angle, Length, OutOfRange};
 use crate::surface::mesh::Selection;
 use crate::surface::{Facing, Shape, Unit};
@@ -145,10 +145,10 @@ impl Parameters {
     }
 
     /// The settings of the simulation on a surface of this shape.
-    pub(super) fn settings(&self, shape: &Shape, model: Model) -> ZigzagSettings {
-        let usual = ZigzagSettings::new(self.scallop_height, self.machine);
+    pub(super) fn settings(&self, shape: &Shape, model: Model) -> PlanSettings {
+        let usual = PlanSettings::new(self.scallop_height, self.machine);
         let beside = [shape.principal_direction, shape.steepest_direction].into_iter().flatten().collect();
-        ZigzagSettings {
+        PlanSettings {
             pattern: self.pattern,
             model,
             max_slope: self.max_slope,

@@ -16,10 +16,13 @@ use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSou
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
 use crate::planning::machined_surface::{MachinedSurface, Stop};
-use crate::planning::zigzag::{NotRankedReason, ZigzagPlan};
+use crate::planning::plan::{CandidatePlan, NotRankedReason, estimated_times};
 use crate::planning::{Confidence, Evidence, Job, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
 use crate::surface::{ReceivedSurface, Shape, ShapeError};
+
+/// The most points of the passes in an answer, some 100 MB of JSON.
+const MOST_POINTS: usize = 400_000;
 
 /// A recommendation to compute: a surface and the parameters.
 pub(super) struct Task {
@@ -94,24 +97,23 @@ impl Task {
         let mut not_ranked: Vec<NotRanked> =
             ranking.not_ranked.iter().map(|not_ranked| self.not_ranked(not_ranked.candidate, not_ranked.reason)).collect();
         not_ranked.extend(self.faulty_tools());
-        let candidates: Vec<_> = ranking.plans.iter().map(|plan| RankedCandidate::simulated(plan, named)).collect();
+        let candidates: Vec<_> = ranking.plans.iter().map(|plan| RankedCandidate::planned(plan, named)).collect();
         let (false, Some(confidence)) = (candidates.is_empty(), &ranking.confidence) else {
             return Err(Problem::no_cutter_fits(not_ranked));
         };
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
-        let passes = if self.parameters.includes(Part::Passes) { self.passes(machined, &simulation, stop) } else { None };
+        let points = ranking.plans.first().map_or(0, CandidatePlan::points);
+        let fits = points <= MOST_POINTS;
+        if self.parameters.includes(Part::Passes) && !fits {
+            let detail = format!("the passes have {points} points, more than {MOST_POINTS}, and were left out");
+            self.warnings.push(Warning::new(WarningCode::PassesLeftOut, detail));
+        }
+        let passes = if self.parameters.includes(Part::Passes) && fits { PassesAnswer::new(machined, &simulation, stop) } else { None };
         let map = if self.parameters.includes(Part::Map) { MapAnswer::new(machined, &simulation, stop) } else { None };
         let published = self.published().map(|published| published.plan);
         let answer = self.answered(candidates, not_ranked, Some(machined), published, confidence.into());
         Ok(RecommendationAnswer { map, passes, ..answer })
-    }
-
-    /// The passes of the fastest plan, unless they have too many points.
-    fn passes(&mut self, machined: &MachinedSurface, simulation: &Simulation, stop: Stop) -> Option<PassesAnswer> {
-        PassesAnswer::new(machined, simulation, stop)?
-            .map_err(|reason| self.warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{reason}, and were left out"))))
-            .ok()
     }
 
     fn on_rectangle(mut self, machined: Option<&MachinedSurface>, stop: Stop) -> Result<RecommendationAnswer, Problem> {
@@ -180,15 +182,17 @@ impl Task {
         let Some(machined) = machined else { return (&confidence).into() };
         // The order depends on the recommended cutter and the next one.
         let compared: Vec<usize> = candidates.iter().take(2).map(|candidate| candidate.cutter).collect();
-        let by = Model::Envelope;
-        let Some(simulation) = Simulation::run(machined, &self.parameters, &compared, &self.shape, by, stop) else {
+        let settings = self.parameters.settings(&self.shape, Model::Envelope);
+        let cutters: Vec<_> = compared.iter().map(|&place| self.parameters.candidates[place].candidate).collect();
+        // Estimates are enough here, and take no longer on a part of many metres.
+        let Some(on_surface) = estimated_times(&machined.workpiece, &cutters, &settings, stop) else {
             return (&confidence).into();
         };
-        let figures = simulation.ranking.surface;
+        let figures = machined.workpiece.figures();
         let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: machined.machined_pieces };
         let simulated = |candidate: &RankedCandidate| {
-            let plans = &simulation.ranking.plans;
-            plans.iter().find(|plan| compared[plan.candidate] == candidate.cutter).map(|plan| (candidate.time(), plan.time))
+            let place = compared.iter().position(|&cutter| cutter == candidate.cutter)?;
+            Some((candidate.time(), on_surface[place]?))
         };
         let confidence = confidence.with_surface(&self.shape, &evidence);
         // Without a simulation of the recommended cutter, the others cannot be compared with it.
@@ -220,12 +224,15 @@ impl Task {
     }
 
     fn not_ranked(&self, cutter: usize, reason: NotRankedReason) -> NotRanked {
-        let reach = if let NotRankedReason::CannotReach(reach) = reason { Some(reach) } else { None };
+        let uncut = if let NotRankedReason::CannotReach { uncut_share, uncut_height } = reason {
+            Some((uncut_share, uncut_height.mm()))
+        } else {
+            None
+        };
         let name = self.parameters.candidates[cutter].name.clone();
         NotRanked {
-            uncut_share: reach.map(|reach| reach.uncut_share),
-            uncut_height_mm: reach.map(|reach| reach.uncut_height.mm()),
-            uncut_height_error_mm: reach.map(|reach| reach.uncut_height_error.mm()),
+            uncut_share: uncut.map(|(share, _)| share),
+            uncut_height_mm: uncut.map(|(_, height)| height),
             ..NotRanked::new(cutter, name, reason.into(), reason.to_string())
         }
     }
@@ -235,7 +242,7 @@ fn on_rectangle(named: &NamedCandidate, parameters: &Parameters, shape: &Shape) 
     plan_on_rectangle(named.candidate.cutter, shape, parameters.scallop_height, parameters.machine.limits, parameters.model())
 }
 
-fn short_flutes(plan: &ZigzagPlan, candidates: &[NamedCandidate]) -> Warning {
+fn short_flutes(plan: &CandidatePlan, candidates: &[NamedCandidate]) -> Warning {
     let named = &candidates[plan.candidate];
     let cutter = named.name.clone().unwrap_or_else(|| format!("cutter {}", plan.candidate));
     let flutes = named.candidate.flute_length.map_or(0.0, Length::mm);

@@ -1,4 +1,4 @@
-//! The simulation of all candidates on the facets of a surface.
+//! The plans of all candidates on a part.
 
 use super::parameters::{Parameters, SELECT};
 use crate::http::codes::RequestFault;
@@ -6,7 +6,7 @@ use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::PIECES_NAME;
 use crate::milling::Model;
 use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};
-use crate::planning::zigzag::{CandidateCutter, Ranking, ZigzagSettings, rank};
+use crate::planning::plan::{CandidateCutter, PlanSettings, Ranking, rank};
 use crate::surface::{MeshError, Shape};
 
 /// Records the fault of the surface at `path`.
@@ -24,16 +24,15 @@ pub(super) fn report(reason: NoMachinedSurface, path: &JsonPath<'_>, faults: &mu
     }
 }
 
-/// All candidates simulated on a surface.
+/// All candidates planned on a part.
 pub(super) struct Simulation {
-    pub(super) settings: ZigzagSettings,
-    /// The candidates, each with the material it cannot reach.
+    pub(super) settings: PlanSettings,
     pub(super) candidates: Vec<CandidateCutter>,
     pub(super) ranking: Ranking,
 }
 
 impl Simulation {
-    /// Simulates the candidates at these positions in the request. Returns `None` once `stop` returns true.
+    /// Plans the candidates at these positions in the request. Returns `None` once `stop` returns true.
     pub(super) fn run(
         machined: &MachinedSurface,
         parameters: &Parameters,
@@ -44,8 +43,7 @@ impl Simulation {
     ) -> Option<Self> {
         let settings = parameters.settings(shape, model);
         let candidates: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate).collect();
-        let candidates = machined.with_reach(&candidates, parameters.scallop_height, stop)?;
-        let ranking = rank(&machined.facets, &candidates, &settings, machined.evidence(), stop)?;
+        let ranking = rank(&machined.workpiece, &candidates, &settings, machined.evidence(), stop)?;
         Some(Self { settings, candidates, ranking })
     }
 }

@@ -3,7 +3,7 @@
 use super::cutter_object::{TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Members, Object, Quantity, Whole, describe, members, text};
-use crate::planning::zigzag::{CandidateCutter, Drive};
+use crate::planning::plan::{CandidateCutter, Drive};
 use crate::quantity::{Length, SpindleSpeed};
 use crate::tooling::LibraryTool;
 use serde_json::value::RawValue;

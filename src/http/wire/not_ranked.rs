@@ -19,13 +19,11 @@ answer! {
         pub(crate) uncut_share?: f64 [minimum = 0, maximum = 1],
         /// The largest height that the cutter leaves there; only with the code `cannot-reach`.
         pub(crate) uncut_height_mm?: f64 [minimum = 0],
-        /// The error of that height, due to the raster on which it was computed; only with the code `cannot-reach`.
-        pub(crate) uncut_height_error_mm?: f64 [minimum = 0],
     }
 }
 
 impl NotRanked {
     pub(crate) fn new(cutter: usize, name: Option<String>, code: NotRankedCode, detail: String) -> Self {
-        Self { cutter, name, code, detail, uncut_share: None, uncut_height_mm: None, uncut_height_error_mm: None }
+        Self { cutter, name, code, detail, uncut_share: None, uncut_height_mm: None }
     }
 }

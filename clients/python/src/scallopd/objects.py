@@ -103,4 +103,3 @@ class NotRanked(TypedDict, total=False):
     detail: str
     uncut_share: float
     uncut_height_mm: float
-    uncut_height_error_mm: float

@@ -143,7 +143,7 @@ class Recommended(TypedDict, total=False):
 
 
 class Plan(TypedDict, total=False):
-    """A cutter's best plan. Method `rectangle` lacks the simulation's figures."""
+    """A cutter's best plan. Method `rectangle`, and a candidate whose `figures` are `estimated`, lack those of the milled path."""
 
     cutter: int
     name: str
@@ -151,6 +151,8 @@ class Plan(TypedDict, total=False):
     type: CutterType
     direction_deg: float
     machining_time_s: float
+    feed: Literal["stated", "assumed"]
+    figures: Literal["milled", "estimated"]
     passes: float
     path_length_mm: float
     links: Dict[str, float]
@@ -161,17 +163,20 @@ class Plan(TypedDict, total=False):
     over_tolerance_share: float
     uncut_share: float
     uncut_height_mm: float
-    uncut_height_error_mm: float
+    gouge_mm: float
+    used_share: float
+    layout_ratio: float
     least_time_s: float
     by_direction: Dict[str, List[float]]
     rectangle: Dict[str, float]
 
 
 class Passes(TypedDict, total=False):
-    """The passes point by point, in cutting order; a run begins at each index of `run_starts`. `contact_mm` is None where the
-    tip was raised to keep clear of the surface."""
+    """The passes point by point, in cutting order; a run begins at each index of `run_starts`. `move` is
+    how the tool gets to a point; `contact_mm` is None on links, on rapid moves, over gaps and beyond borders."""
 
     run_starts: List[int]
+    move: List[Literal["cut", "link", "rapid"]]
     contact_mm: List[Optional[List[float]]]
     normal: List[Optional[List[float]]]
     tip_mm: List[List[float]]
@@ -180,8 +185,6 @@ class Passes(TypedDict, total=False):
     feed_rate_mm_min: AnswerColumn
     scallop_height_mm: AnswerColumn
     surface_curvature: Dict[str, AnswerColumn]
-    machining_time_s: float
-    chord_tolerance_mm: float
 
 
 class _RecommendationAnswer(TypedDict):

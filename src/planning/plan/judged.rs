@@ -1,0 +1,171 @@
+//! What a path leaves at the stations of a cutter, as figures and by strip between lines.
+
+use super::prepared::Prepared;
+use super::spread::{Allowed, Heading};
+use super::stations::Station;
+use super::workpiece::Workpiece;
+use crate::path::Milled;
+use crate::quantity::Length;
+use rayon::prelude::*;
+
+/// What a path leaves at one station.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Judged {
+    /// The height in mm left along the normal, negative for a cut into the part; `None` if no cutting move reaches the place.
+    pub(super) left: Option<f64>,
+    /// The height in mm that tooth marks add; 0 for a cutter without a drive.
+    pub(super) marks: f64,
+}
+
+impl Judged {
+    /// The height left, tooth marks included, infinite where no move reaches the place.
+    fn material(self) -> f64 {
+        self.left.map_or(f64::INFINITY, |left| left.max(0.0) + self.marks)
+    }
+}
+
+/// What a path of a candidate, with lines in a direction, leaves at each station. `None` once `stop` returns true.
+pub(super) fn judged(
+    workpiece: &Workpiece,
+    stations: &[Station],
+    prepared: &Prepared,
+    along: [f64; 2],
+    milled: &Milled,
+    height: f64,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Judged>> {
+    let of_station = |station: &Station| {
+        if stop() {
+            return None;
+        }
+        let left = milled.left_at(station.place.point, workpiece.targets[station.place.target].normal);
+        let tangent = &workpiece.tangents[station.place.target];
+        let (cos_alpha, _) = tangent.alpha(along);
+        let marks = height * (1.0 - prepared.feeds.step_over_share(tangent, cos_alpha));
+        Some(Judged { left: left.map(|left| left.height), marks })
+    };
+    stations.par_iter().with_min_len(64).map(of_station).collect()
+}
+
+/// Heights left over the area.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FinishFigures {
+    /// The median over what the cutter can reach.
+    pub p50: Length,
+    /// The 90th percentile.
+    pub p90: Length,
+    /// The 99th percentile.
+    pub p99: Length,
+    /// The largest.
+    pub max: Length,
+    /// The share of the area that the cutter can reach and that is left higher than the scallop height.
+    pub over_tolerance_share: f64,
+    /// The part of that share where the excess is over 2 %.
+    pub far_over_share: f64,
+    /// The share of the area that the cutter cannot reach within the scallop height.
+    pub uncut_share: f64,
+    /// The largest height left there.
+    pub uncut_height: Length,
+    /// The share of the area with at least half of the scallop height.
+    pub used_share: f64,
+    /// The deepest cut into the part, links and lifts included.
+    pub gouge: Length,
+}
+
+/// An excess over the scallop height that counts as far over: the chord tolerance and the places' own error.
+const FAR: f64 = 1.02;
+
+impl FinishFigures {
+    /// The figures of judged stations; `height` is the scallop height to keep, `tolerance` the lift in mm up to which a
+    /// station counts as reached, and `gouge` the deepest cut found.
+    pub(super) fn of(stations: &[Station], judged: &[Judged], height: f64, tolerance: f64, gouge: f64) -> Self {
+        let whole: f64 = stations.iter().map(|station| station.place.area).sum();
+        let mut heights = Vec::with_capacity(stations.len());
+        let (mut over, mut far, mut uncut, mut used, mut uncut_height) = (0.0, 0.0, 0.0, 0.0, 0.0_f64);
+        for (station, judged) in stations.iter().zip(judged) {
+            let material = judged.material();
+            let area = station.place.area;
+            used += if material >= height / 2.0 { area } else { 0.0 };
+            if station.lift > tolerance && material > height {
+                uncut += area;
+                uncut_height = uncut_height.max(if material.is_finite() { material } else { station.lift });
+                continue;
+            }
+            over += if material > height { area } else { 0.0 };
+            far += if material > FAR * height { area } else { 0.0 };
+            heights.push(if material.is_finite() { material } else { station.lift.max(height) });
+        }
+        heights.sort_unstable_by(f64::total_cmp);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "a place among the heights"
+        )]
+        let at = |share: f64| {
+            let place = (share * heights.len() as f64) as usize;
+            Length::computed(heights.get(place.min(heights.len().saturating_sub(1))).copied().unwrap_or(0.0))
+        };
+        let of = |area: f64| if whole > 0.0 { area / whole } else { 0.0 };
+        Self {
+            p50: at(0.5),
+            p90: at(0.9),
+            p99: at(0.99),
+            max: at(1.0),
+            over_tolerance_share: of(over),
+            far_over_share: of(far),
+            uncut_share: of(uncut),
+            uncut_height: Length::computed(uncut_height),
+            used_share: of(used),
+            gouge: Length::computed(gouge),
+        }
+    }
+}
+
+/// The largest changes of a strip's spacing in one round.
+const MOST_NARROWED: f64 = 0.5;
+const MOST_WIDENED: f64 = 1.35;
+
+/// Changes the spacings that lines may have so that the height left between them becomes the scallop height: the height
+/// grows with the square of the spacing. Stations that no line can reach in their strip do not count.
+pub(super) fn respace(
+    allowed: &mut Allowed,
+    lines: &[f64],
+    heading: &Heading,
+    stations: &[Station],
+    judged: &[Judged],
+    height: f64,
+    tolerance: f64,
+) {
+    if lines.len() < 2 {
+        return;
+    }
+    let mut highest: Vec<Vec<f64>> = vec![Vec::new(); lines.len() - 1];
+    for (station, judged) in stations.iter().zip(judged) {
+        let [_, across] = heading.of_point(station.axis);
+        let strip = lines.partition_point(|line| *line <= across);
+        if strip == 0 || strip == lines.len() || station.lift > tolerance {
+            continue;
+        }
+        // A place that the whole strip leaves standing is no matter of spacing.
+        if let Some(left) = judged.left.filter(|left| *left < 20.0 * height) {
+            highest[strip - 1].push(left.max(0.0) * height / (height - judged.marks).max(1e-3 * height));
+        }
+    }
+    let factors: Vec<f64> = highest
+        .iter_mut()
+        .map(|heights| {
+            heights.sort_unstable_by(f64::total_cmp);
+            // A thousandth of a strip's area may be over.
+            let place = heights.len().saturating_sub(1 + heights.len() / 1000);
+            heights.get(place).map_or(1.0, |highest| (height / highest.max(1e-3 * height)).sqrt().clamp(MOST_NARROWED, MOST_WIDENED))
+        })
+        .collect();
+    for (strip, pair) in lines.windows(2).enumerate() {
+        // A strip widens only as far as its neighbours let the lines move: a line that moves changes both of its strips.
+        let around = [strip.saturating_sub(1), strip, (strip + 1).min(factors.len() - 1)];
+        let least = around.into_iter().map(|strip| factors[strip]).fold(f64::INFINITY, f64::min);
+        let factor = if factors[strip] < 1.0 { factors[strip] } else { least.max(1.0) };
+        allowed.scale(pair[0], pair[1], 0.995 * factor);
+    }
+}

@@ -1,0 +1,133 @@
+//! The zigzag of a candidate in one direction: lines, their runs, the path, and what it leaves, milled; the lines move until
+//! the scallop height is kept and used.
+
+use super::border::Feet;
+use super::estimate::MOST_LINES;
+use super::judged::{FinishFigures, Judged, judged, respace};
+use super::prepared::Prepared;
+use super::runs::{Run, RunMaker};
+use super::settings::PlanSettings;
+use super::spread::{Allowed, Heading, Spread};
+use super::stations::Station;
+use super::tour::Tour;
+use super::workpiece::Workpiece;
+use crate::path::Milled;
+use crate::quantity::Angle;
+use rayon::prelude::*;
+use std::cell::OnceCell;
+
+/// The share of the scallop height by which chords between tips may differ from the tips' surface.
+pub(super) const CHORD_SHARE: f64 = 0.1;
+
+/// The rounds in which lines move.
+const ROUNDS: usize = 4;
+
+/// A plan is taken as it is once this share of the area, at most, is over the scallop height.
+const ENOUGH: f64 = 0.002;
+
+/// The plan of a candidate in one direction.
+#[derive(Debug, Clone)]
+pub(super) struct MilledPlan {
+    pub(super) direction: Angle,
+    pub(super) lines: Vec<f64>,
+    pub(super) tour: Tour,
+    pub(super) finish: FinishFigures,
+    pub(super) judged: Vec<Judged>,
+}
+
+/// Why a direction has no plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NoPlan {
+    /// Somewhere no spacing keeps the scallop height, or there are too many lines.
+    NoLines,
+    /// The lines meet nothing that the cutter reaches.
+    NoRuns,
+    /// `stop` returned true.
+    Stopped,
+}
+
+/// What the plans of a candidate share.
+pub(super) struct Planner<'a> {
+    pub(super) workpiece: &'a Workpiece,
+    pub(super) prepared: &'a Prepared,
+    pub(super) settings: &'a PlanSettings,
+    /// The stations on which lines are spaced and the plan is judged.
+    pub(super) stations: &'a [Station],
+    /// The feet of walls, once a plan needs them.
+    pub(super) feet: OnceCell<Feet>,
+    pub(super) stop: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Planner<'_> {
+    /// The milled plan in a direction.
+    pub(super) fn plan(&self, direction: Angle) -> Result<MilledPlan, NoPlan> {
+        let Self { workpiece, prepared, settings, stations, stop, .. } = *self;
+        let height = settings.scallop_height.mm();
+        let heading = Heading::of(direction.radians());
+        let spread = Spread::new(workpiece, stations, prepared, &heading, height);
+        let mut allowed = Allowed::of(&spread, &prepared.candidate, settings.left_out_share);
+        let maker = RunMaker {
+            workpiece,
+            prepared,
+            machine: &settings.machine,
+            heading: &heading,
+            spread: &spread,
+            chord_tolerance: CHORD_SHARE * height,
+            clearance: workpiece.top + settings.machine.clearance_height.mm(),
+            stop,
+        };
+        let mut best: Option<MilledPlan> = None;
+        for _ in 0..ROUNDS {
+            let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
+            let mut runs = maker.runs(&lines);
+            if stop() {
+                return Err(NoPlan::Stopped);
+            }
+            if runs.is_empty() {
+                return Err(NoPlan::NoRuns);
+            }
+            let mut plan = self.judged_plan(&maker, direction, &lines, &runs)?;
+            respace(&mut allowed, &lines, &heading, stations, &plan.judged, height, height);
+            if self.left_standing(&plan) > 0.0 {
+                let along_borders = self.feet.get_or_init(|| Feet::of(workpiece, prepared, maker.chord_tolerance, stop)).runs(
+                    stations,
+                    &plan.judged,
+                    height,
+                );
+                if !along_borders.is_empty() {
+                    runs.extend(along_borders);
+                    plan = self.judged_plan(&maker, direction, &lines, &runs)?;
+                }
+            }
+            let is_better = best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best));
+            if is_better {
+                best = Some(plan);
+            }
+        }
+        best.ok_or(NoPlan::NoRuns)
+    }
+
+    fn judged_plan(&self, maker: &RunMaker, direction: Angle, lines: &[f64], runs: &[Run]) -> Result<MilledPlan, NoPlan> {
+        let Self { workpiece, prepared, settings, stations, stop, .. } = *self;
+        let height = settings.scallop_height.mm();
+        let tour = Tour::of(workpiece, prepared, settings, runs, maker.chord_tolerance);
+        let milled = Milled::new(&prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
+        let judged = judged(workpiece, stations, prepared, maker.heading.along, &milled, height, stop).ok_or(NoPlan::Stopped)?;
+        let gouge = judged.par_iter().filter_map(|judged| judged.left).map(|left| (-left).max(0.0)).reduce(|| 0.0, f64::max);
+        let finish = FinishFigures::of(stations, &judged, height, height, gouge);
+        Ok(MilledPlan { direction, lines: lines.to_vec(), tour, finish, judged })
+    }
+
+    /// The area in mm^2 of places that the cutter reaches and the path leaves far over the scallop height.
+    fn left_standing(&self, plan: &MilledPlan) -> f64 {
+        let height = self.settings.scallop_height.mm();
+        let stands = |(station, judged): &(&Station, &Judged)| station.lift <= height && judged.left.is_none_or(|left| left > 1.5 * height);
+        self.stations.iter().zip(&plan.judged).filter(stands).map(|(station, _)| station.place.area).sum()
+    }
+}
+
+/// Plans that keep the scallop height before those that do not, then by time, or by how much they exceed it.
+pub(super) fn rank_of(plan: &MilledPlan) -> (bool, f64) {
+    let over = plan.finish.far_over_share;
+    if over <= ENOUGH { (false, plan.tour.figures.seconds) } else { (true, over) }
+}

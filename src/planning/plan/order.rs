@@ -1,0 +1,91 @@
+//! The order in which runs are cut, and their senses.
+
+use super::runs::Run;
+use super::settings::Pattern;
+
+/// A run in its place of the order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Leg {
+    pub(super) run: usize,
+    /// Whether it is cut from its last tip to its first.
+    pub(super) reversed: bool,
+}
+
+/// The runs in an order with few lifts: from each run to the one on a neighbouring line whose end is nearest and within `near` mm, ahead
+/// before behind; where there is none, to the nearest end of all. One way, every run begins at its first tip.
+///
+/// `runs` are sorted by line; runs along borders, without a line, follow.
+pub(super) fn in_order(runs: &[Run], pattern: Pattern, near: f64) -> Vec<Leg> {
+    let mut order = Vec::with_capacity(runs.len());
+    if runs.is_empty() {
+        return order;
+    }
+    let mut open: Vec<bool> = vec![true; runs.len()];
+    let lines = Lines::of(runs);
+    let mut ahead = true;
+    let mut next = Some(Leg { run: 0, reversed: false });
+    while let Some(leg) = next {
+        open[leg.run] = false;
+        order.push(leg);
+        let from = runs[leg.run].end(!leg.reversed);
+        let neighbour = runs[leg.run].line.and_then(|line| {
+            let sides = if ahead { [line.checked_add(1), line.checked_sub(1)] } else { [line.checked_sub(1), line.checked_add(1)] };
+            sides.into_iter().enumerate().find_map(|(turned, side)| {
+                let (leg, _) = nearest(runs, &open, lines.of_line(side?), pattern, from)?;
+                let end = runs[leg.run].end(leg.reversed);
+                let is_near = pattern == Pattern::OneWay || (end[0] - from[0]).hypot(end[1] - from[1]) <= near;
+                is_near.then_some((leg, turned == 1))
+            })
+        });
+        next = match neighbour {
+            Some((leg, turned)) => {
+                ahead ^= turned;
+                Some(leg)
+            }
+            None => nearest(runs, &open, 0..runs.len(), pattern, from).map(|found| found.0),
+        };
+    }
+    order
+}
+
+/// The millimetres across that a millimetre up or down counts for.
+const LEVELS_APART: f64 = 2.0;
+
+/// The open run with the nearest end, and its distance.
+fn nearest(runs: &[Run], open: &[bool], among: std::ops::Range<usize>, pattern: Pattern, from: [f64; 3]) -> Option<(Leg, f64)> {
+    let senses: &[bool] = if pattern == Pattern::OneWay { &[false] } else { &[false, true] };
+    let mut best: Option<(Leg, f64)> = None;
+    for run in among.filter(|run| open[*run]) {
+        for &reversed in senses {
+            let end = runs[run].end(reversed);
+            // A link up or down a wall costs more than one of its length on a level.
+            let distance = (end[0] - from[0]).hypot(end[1] - from[1]) + LEVELS_APART * (end[2] - from[2]).abs();
+            if best.is_none_or(|best| distance < best.1) {
+                best = Some((Leg { run, reversed }, distance));
+            }
+        }
+    }
+    best
+}
+
+/// Where the runs of each line are.
+struct Lines(Vec<std::ops::Range<usize>>);
+
+impl Lines {
+    fn of(runs: &[Run]) -> Self {
+        let count = runs.iter().filter_map(|run| run.line).max().map_or(0, |last| last + 1);
+        let mut ranges = vec![0..0; count];
+        for (index, line) in runs.iter().enumerate().filter_map(|(index, run)| run.line.map(|line| (index, line))) {
+            if ranges[line].is_empty() {
+                ranges[line] = index..index + 1;
+            } else {
+                ranges[line].end = index + 1;
+            }
+        }
+        Self(ranges)
+    }
+
+    fn of_line(&self, line: usize) -> std::ops::Range<usize> {
+        self.0.get(line).cloned().unwrap_or(0..0)
+    }
+}

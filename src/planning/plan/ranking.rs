@@ -1,0 +1,443 @@
+//! The ranking of all candidates on a part: directions by estimate, the best of each candidate milled, sorted by the time
+//! of the tips' path.
+
+use super::candidate::CandidateCutter;
+use super::estimate::{least_seconds, seconds};
+use super::judged::FinishFigures;
+use super::milled_plan::{MilledPlan, NoPlan, Planner};
+use super::places::{Place, drawn};
+use super::prepared::{Prepared, rows_of};
+use super::settings::{Directions, PlanSettings};
+use super::stations::{Station, stations};
+use super::tour::TourFigures;
+use super::weakness::{SurfaceEvidence, SurfaceWeakness};
+use super::workpiece::{SurfaceFigures, Workpiece};
+use crate::milling::{Cutter, Model};
+use crate::planning::{Confidence, Level, Reason, RectanglePlan, plan_on_rectangle};
+use crate::quantity::{Angle, Length, Speed, Time};
+use rayon::prelude::*;
+use std::cell::OnceCell;
+use std::fmt;
+
+/// The places on which directions are estimated.
+const ESTIMATED_ON: usize = 4_000;
+
+/// The places on which plans are judged. The standard error of a share of 0.5 % is then 0.05 %.
+const JUDGED_ON: usize = 20_000;
+
+/// Candidates whose estimated time is over this factor of the shortest one stay estimated.
+const FAR_BEHIND: f64 = 1.5;
+
+/// The candidates that are milled at most, those with the shortest estimates. A library has 200, and a path takes seconds.
+const MOST_CANDIDATES: usize = 8;
+
+/// The directions of a candidate that are milled at most, and the factor over the shortest estimate beyond which a direction
+/// is not.
+const MOST_MILLED: usize = 3;
+const MILLED_WITHIN: f64 = 1.15;
+
+/// The smallest angle between milled directions in deg. Nearer ones have nearly the same lines.
+const MILLED_APART: f64 = 2.0;
+
+/// The plans of all candidates on a part.
+#[derive(Debug, Clone)]
+pub struct Ranking {
+    /// The plans, fastest first.
+    pub plans: Vec<CandidatePlan>,
+    /// The candidates without a plan.
+    pub not_ranked: Vec<NotRanked>,
+    /// The figures of the surface.
+    pub surface: SurfaceFigures,
+    /// The confidence in the order of the plans; `None` without a plan.
+    pub confidence: Option<Confidence<SurfaceWeakness>>,
+}
+
+/// The plan of one candidate.
+#[derive(Debug, Clone)]
+pub struct CandidatePlan {
+    /// The position of the cutter among the candidates.
+    pub candidate: usize,
+    /// The direction of the lines seen from above, counted from X.
+    pub direction: Angle,
+    /// The time of all runs and links: of the tips' path, or estimated.
+    pub time: Time,
+    /// The milled plan; `None` for a candidate that is too far behind, or not among the eight with the shortest estimates,
+    /// whose time is an estimate.
+    pub milled: Option<MilledFigures>,
+    /// A lower bound: no lines that keep the scallop height take less time.
+    pub least_time: Time,
+    /// The time of each direction that was tried; `None` if it has no plan. Times of directions that were not milled are
+    /// estimates.
+    pub by_direction: Vec<(Angle, Option<Time>)>,
+    /// The same cutter by the published method on a rectangle, for comparison; `None` without a shape, or if that method
+    /// finds no step-over.
+    pub rectangle: Option<RectanglePlan>,
+    /// Whether the flutes are shorter than the surface is deep.
+    pub flutes_too_short: bool,
+    pub(super) plan: Option<(MilledPlan, Prepared)>,
+}
+
+impl CandidatePlan {
+    /// The number of points of its path; 0 for a plan that was estimated, or that is not the fastest.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.plan.as_ref().map_or(0, |(plan, _)| plan.tour.points.len())
+    }
+}
+
+/// The figures of a milled plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MilledFigures {
+    /// Runs, links and their lengths.
+    pub tour: TourFigures,
+    /// The number of lines.
+    pub lines: usize,
+    /// The spacing of the lines, seen from above.
+    pub step_over: SpacingFigures,
+    /// The mean feed rate of the runs: their length over the time they would take without stops.
+    pub feed_rate: Speed,
+    /// The mean feed per tooth, for cutters with a drive.
+    pub feed_per_tooth: Option<Length>,
+    /// What the path leaves.
+    pub finish: FinishFigures,
+    /// The time without acceleration over the least time.
+    pub layout_ratio: f64,
+}
+
+/// Spacings of lines, seen from above.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpacingFigures {
+    /// The smallest.
+    pub min: Length,
+    /// The median.
+    pub median: Length,
+    /// The largest.
+    pub max: Length,
+}
+
+impl SpacingFigures {
+    /// The spacings of lines in order. A single line has the spacing `width`.
+    fn of(lines: &[f64], width: f64) -> Self {
+        let mut spacings: Vec<f64> = lines.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        if spacings.is_empty() {
+            spacings.push(width);
+        }
+        spacings.sort_by(f64::total_cmp);
+        let at = |index: usize| Length::computed(spacings[index]);
+        Self { min: at(0), median: at(spacings.len() / 2), max: at(spacings.len() - 1) }
+    }
+}
+
+/// A candidate without a plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NotRanked {
+    /// The position of the cutter among the candidates.
+    pub candidate: usize,
+    /// The reason why it has no plan.
+    pub reason: NotRankedReason,
+}
+
+/// The reason why a candidate has no plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum NotRankedReason {
+    /// The cutter leaves more of the area uncut than allowed.
+    CannotReach {
+        /// The share of the area, 0 to 1.
+        uncut_share: f64,
+        /// The largest height by which the cutter stands over a place that it should touch.
+        uncut_height: Length,
+    },
+    /// In every direction, some part of the surface has no step-over that keeps the scallop height, or step-overs are so
+    /// small that there would be more than 50,000 lines.
+    NoStepOver,
+}
+
+impl fmt::Display for NotRankedReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CannotReach { uncut_share, uncut_height } => write!(
+                f,
+                "the cutter does not reach {:.2} % of the area and stands up to {:.4} mm over it there",
+                100.0 * uncut_share,
+                uncut_height.mm()
+            ),
+            Self::NoStepOver => f.write_str("in no direction do 50,000 lines or fewer keep the scallop height everywhere"),
+        }
+    }
+}
+
+/// A candidate with the estimates of its directions.
+struct Estimated {
+    prepared: Prepared,
+    directions: Vec<(Angle, Option<f64>)>,
+    least_seconds: f64,
+}
+
+impl Estimated {
+    fn shortest(&self) -> f64 {
+        self.directions.iter().filter_map(|(_, seconds)| *seconds).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The directions to mill, the one with the shortest estimate first.
+    fn to_mill(&self) -> Vec<Angle> {
+        let mut sorted: Vec<(Angle, f64)> = self.directions.iter().filter_map(|&(angle, seconds)| Some((angle, seconds?))).collect();
+        sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let limit = MILLED_WITHIN * self.shortest();
+        let mut chosen: Vec<Angle> = Vec::new();
+        for (angle, seconds) in sorted {
+            if chosen.len() < MOST_MILLED && seconds <= limit && chosen.iter().all(|other| lines_apart(*other, angle) >= MILLED_APART) {
+                chosen.push(angle);
+            }
+        }
+        chosen
+    }
+}
+
+/// The angle between two lines, in deg.
+fn lines_apart(one: Angle, other: Angle) -> f64 {
+    let apart = (one.degrees() - other.degrees()).abs() % 180.0;
+    apart.min(180.0 - apart)
+}
+
+/// The directions of `more` without those that repeat one of `tried` or an earlier one.
+fn apart_from(tried: &[(Angle, Option<f64>)], more: impl Iterator<Item = Angle>) -> Vec<Angle> {
+    let mut new: Vec<Angle> = Vec::new();
+    for angle in more {
+        let is_new = |other: &Angle| lines_apart(*other, angle) > 0.2;
+        if tried.iter().all(|(other, _)| is_new(other)) && new.iter().all(is_new) {
+            new.push(angle);
+        }
+    }
+    new
+}
+
+/// Plans zigzags for each candidate over the part and ranks them by time. `evidence` has the properties of the mesh that the
+/// part does not show. `stop` is called about every millisecond, by all threads. The result is `None` soon after it returns
+/// true.
+#[must_use]
+pub fn rank(
+    workpiece: &Workpiece,
+    candidates: &[CandidateCutter],
+    settings: &PlanSettings,
+    evidence: SurfaceEvidence,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Ranking> {
+    let height = settings.scallop_height.mm();
+    let rows = rows_of(workpiece);
+    let few = drawn(workpiece, ESTIMATED_ON);
+    let mut not_ranked = Vec::new();
+    let mut estimated: Vec<Estimated> = Vec::new();
+    for (index, candidate) in candidates.iter().enumerate() {
+        if stop() {
+            return None;
+        }
+        match estimate(workpiece, index, candidate, settings, &rows, &few, stop) {
+            Ok(of_candidate) => estimated.push(of_candidate),
+            Err(reason) => not_ranked.push(NotRanked { candidate: index, reason }),
+        }
+    }
+    let mut shortest: Vec<f64> = estimated.iter().map(Estimated::shortest).collect();
+    shortest.sort_by(f64::total_cmp);
+    let last = shortest.get(MOST_CANDIDATES - 1).copied().unwrap_or(f64::INFINITY);
+    let limit = shortest.first().map_or(0.0, |shortest| (FAR_BEHIND * shortest).min(last));
+    let many = drawn(workpiece, JUDGED_ON);
+    let mut plans = Vec::new();
+    for of_candidate in estimated {
+        let index = of_candidate.prepared.index;
+        if of_candidate.shortest() > limit {
+            plans.push(of_candidate.unmilled(workpiece, settings));
+            continue;
+        }
+        let on = stations(workpiece, &of_candidate.prepared.profile, &many, height, stop);
+        let planner = Planner { workpiece, prepared: &of_candidate.prepared, settings, stations: &on, feet: OnceCell::new(), stop };
+        let (mut best, mut times): (Option<MilledPlan>, Vec<(Angle, Option<Time>)>) = (None, Vec::new());
+        for direction in of_candidate.to_mill() {
+            match planner.plan(direction) {
+                Ok(plan) => {
+                    times.push((direction, Some(Time::computed(plan.tour.figures.seconds))));
+                    if best.as_ref().is_none_or(|best| super::milled_plan::rank_of(&plan) < super::milled_plan::rank_of(best)) {
+                        best = Some(plan);
+                    }
+                }
+                Err(NoPlan::Stopped) => return None,
+                Err(NoPlan::NoLines | NoPlan::NoRuns) => times.push((direction, None)),
+            }
+        }
+        match best {
+            Some(best) => plans.push(of_candidate.milled(workpiece, settings, best, &times)),
+            None => not_ranked.push(NotRanked { candidate: index, reason: NotRankedReason::NoStepOver }),
+        }
+        keep_path_of_fastest(&mut plans);
+    }
+    if stop() {
+        return None;
+    }
+    plans.sort_by(|a, b| a.milled.is_none().cmp(&b.milled.is_none()).then(a.time.seconds().total_cmp(&b.time.seconds())));
+    not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
+    let surface = workpiece.figures();
+    let confidence = Confidence::of(&plans, &surface, settings.scallop_height, evidence);
+    Some(Ranking { plans, not_ranked, surface, confidence })
+}
+
+/// The estimated time of each candidate in its best direction, `None` for one that `rank` would not rank. It takes
+/// milliseconds a candidate, however large the part. The result is `None` soon after `stop` returns true.
+#[must_use]
+pub fn estimated_times(
+    workpiece: &Workpiece,
+    candidates: &[CandidateCutter],
+    settings: &PlanSettings,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Option<Time>>> {
+    let (rows, few) = (rows_of(workpiece), drawn(workpiece, ESTIMATED_ON));
+    let mut times = Vec::with_capacity(candidates.len());
+    for (index, candidate) in candidates.iter().enumerate() {
+        let estimated = estimate(workpiece, index, candidate, settings, &rows, &few, stop);
+        times.push(estimated.ok().map(|estimated| Time::computed(estimated.shortest())));
+        if stop() {
+            return None;
+        }
+    }
+    Some(times)
+}
+
+/// Drops the paths of all plans but the fastest: those of two hundred cutters would take gigabytes.
+fn keep_path_of_fastest(plans: &mut [CandidatePlan]) {
+    let milled = plans.iter().enumerate().filter(|(_, plan)| plan.milled.is_some());
+    let fastest = milled.min_by(|(_, a), (_, b)| a.time.seconds().total_cmp(&b.time.seconds())).map(|(index, _)| index);
+    for (_, plan) in plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != fastest) {
+        plan.plan = None;
+    }
+}
+
+fn estimate(
+    workpiece: &Workpiece,
+    index: usize,
+    candidate: &CandidateCutter,
+    settings: &PlanSettings,
+    rows: &[bool],
+    places: &[Place],
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Estimated, NotRankedReason> {
+    let height = settings.scallop_height.mm();
+    let prepared = Prepared::new(index, candidate, settings, rows, stop);
+    let on = stations(workpiece, &prepared.profile, places, height, stop);
+    let out_of_reach: Vec<&Station> = on.iter().filter(|station| station.lift > height).collect();
+    #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
+    let uncut_share = out_of_reach.len() as f64 / on.len().max(1) as f64;
+    if uncut_share > settings.max_uncut_share {
+        let highest = out_of_reach.iter().map(|station| station.lift).filter(|lift| lift.is_finite()).fold(0.0, f64::max);
+        return Err(NotRankedReason::CannotReach { uncut_share, uncut_height: Length::computed(highest) });
+    }
+    let time = |direction: Angle| (direction, seconds(workpiece, &on, &prepared, settings, direction));
+    let all = |angles: Vec<Angle>| -> Vec<(Angle, Option<f64>)> { angles.into_par_iter().map(time).collect() };
+    let directions = match &settings.directions {
+        Directions::Only(only) => all(only.clone()),
+        Directions::All { beside } => {
+            let coarse = (0..36).map(|step| Angle::from_radians((5.0 * f64::from(step)).to_radians()));
+            let mut times = all(apart_from(&[], beside.iter().copied().chain(coarse)));
+            for step in [2.5_f64, 1.0, 0.5] {
+                let mut best: Vec<(Angle, f64)> = times.iter().filter_map(|&(angle, seconds)| Some((angle, seconds?))).collect();
+                best.sort_by(|a, b| a.1.total_cmp(&b.1));
+                best.truncate(MOST_MILLED);
+                let beside = |(angle, _): (Angle, f64)| {
+                    [-step, step].map(|by| Angle::from_radians((angle.degrees() + by).rem_euclid(180.0).to_radians()))
+                };
+                let new = apart_from(&times, best.into_iter().flat_map(beside));
+                times.extend(all(new));
+            }
+            times.sort_by(|a, b| a.0.radians().total_cmp(&b.0.radians()));
+            times
+        }
+    };
+    if directions.iter().all(|(_, seconds)| seconds.is_none()) {
+        return Err(NotRankedReason::NoStepOver);
+    }
+    let least_seconds = least_seconds(workpiece, &on, &prepared, height);
+    Ok(Estimated { prepared, directions, least_seconds })
+}
+
+impl Estimated {
+    fn plan(&self, workpiece: &Workpiece, settings: &PlanSettings, direction: Angle, seconds: f64) -> CandidatePlan {
+        let candidate = &self.prepared.candidate;
+        let depth = workpiece.bounds[1][2] - workpiece.bounds[0][2];
+        CandidatePlan {
+            candidate: self.prepared.index,
+            direction,
+            time: Time::computed(seconds),
+            milled: None,
+            least_time: Time::computed(self.least_seconds),
+            by_direction: self.directions.iter().map(|&(angle, seconds)| (angle, seconds.map(Time::computed))).collect(),
+            rectangle: on_rectangle(candidate.cutter, settings),
+            flutes_too_short: candidate.flute_length.is_some_and(|flutes| flutes.mm() < depth),
+            plan: None,
+        }
+    }
+
+    fn unmilled(self, workpiece: &Workpiece, settings: &PlanSettings) -> CandidatePlan {
+        let shortest = self.shortest();
+        let direction = self.directions.iter().find(|(_, seconds)| *seconds == Some(shortest)).map_or(Angle::ZERO, |(angle, _)| *angle);
+        self.plan(workpiece, settings, direction, shortest)
+    }
+
+    fn milled(self, workpiece: &Workpiece, settings: &PlanSettings, best: MilledPlan, times: &[(Angle, Option<Time>)]) -> CandidatePlan {
+        let tour = best.tour.figures;
+        // The rounding of the sums may carry the mean over the machine's limit.
+        let rate = (tour.run_length / tour.cutting_seconds).min(settings.machine.limits.feed_rate.mm_s());
+        let [low, high] = workpiece.bounds;
+        let figures = MilledFigures {
+            tour,
+            lines: best.lines.len(),
+            step_over: SpacingFigures::of(
+                &best.lines,
+                (high[0] - low[0]).hypot(high[1] - low[1]).min(2.0 * self.prepared.profile.outer_radius()),
+            ),
+            feed_rate: Speed::computed(rate),
+            feed_per_tooth: self.prepared.range.map(|range| Length::computed(rate / range.teeth_per_second)),
+            finish: best.finish,
+            layout_ratio: if self.least_seconds > 0.0 { tour.moving_seconds / self.least_seconds } else { 1.0 },
+        };
+        let mut plan = self.plan(workpiece, settings, best.direction, tour.seconds);
+        for (direction, time) in &mut plan.by_direction {
+            if let Some((_, milled)) = times.iter().find(|(angle, _)| angle == direction) {
+                *time = *milled;
+            }
+        }
+        CandidatePlan { milled: Some(figures), plan: Some((best, self.prepared)), ..plan }
+    }
+}
+
+/// The plan by the published method with its own model; `None` if a side is outside the range of lengths.
+fn on_rectangle(cutter: Cutter, settings: &PlanSettings) -> Option<RectanglePlan> {
+    let shape = settings.shape.as_ref()?;
+    plan_on_rectangle(cutter, shape, settings.scallop_height, settings.machine.limits, Model::Analytic).ok().flatten()
+}
+
+impl Confidence<SurfaceWeakness> {
+    /// The confidence in plans that are sorted by time, milled ones first; `None` without a milled plan.
+    fn of(plans: &[CandidatePlan], surface: &SurfaceFigures, scallop_height: Length, evidence: SurfaceEvidence) -> Option<Self> {
+        let best = plans.first()?;
+        let milled = best.milled?;
+        let mut reasons = Vec::new();
+        if let Some(next) = plans.get(1) {
+            let lead = 1.0 - best.time.seconds() / next.time.seconds();
+            if lead < 0.02 {
+                reasons.push(Reason { weakness: SurfaceWeakness::SmallLead, level: Level::Moderate, figure: lead, threshold: 0.02 });
+            }
+        }
+        let size = surface.facet_size.mm() / milled.step_over.median.mm();
+        #[expect(clippy::cast_precision_loss, reason = "a count of pieces")]
+        let pieces = evidence.pieces as f64;
+        let sagittas = surface.sagitta.mm() / scallop_height.mm();
+        if sagittas > 0.1 {
+            reasons.extend(Reason::over(SurfaceWeakness::CoarseTessellation, size, 2.0, if sagittas > 1.0 { 8.0 } else { f64::INFINITY }));
+        }
+        reasons.extend(Reason::over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::HiddenArea, evidence.hidden_area_share, 0.02, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
+        reasons.extend(Reason::over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
+        reasons.extend(Reason::over(SurfaceWeakness::OverTolerance, milled.finish.far_over_share, 0.005, 0.1));
+        reasons.extend(Reason::over(SurfaceWeakness::Gouge, milled.finish.gouge.mm() / scallop_height.mm(), 0.4, 4.0));
+        Some(Self::from_reasons(reasons))
+    }
+}

@@ -1,0 +1,181 @@
+//! The path of a plan: its runs in order, with every link and lift between them as moves.
+
+use super::order::{Leg, in_order};
+use super::prepared::Prepared;
+use super::runs::{Run, RunTip, STEP_IN_RADII, highest_step};
+use super::settings::{Pattern, PlanSettings};
+use super::travel::{self, APPROACH_HEIGHT};
+use super::workpiece::Workpiece;
+use crate::path::{Move, MoveKind, tips_between};
+
+/// Links longer than this in radii of the cutter go over the clearance height.
+const NEAR_IN_RADII: f64 = 6.0;
+
+/// How the tool gets to a point of the path, and what it does there.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TourPoint {
+    pub(super) tip: [f64; 3],
+    pub(super) kind: MoveKind,
+    /// The run's tip at this point; `None` on links.
+    pub(super) of_run: Option<RunTip>,
+    /// The feed rate of the move to this point in mm/s.
+    pub(super) rate: f64,
+}
+
+/// Times, lengths and counts of a path.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TourFigures {
+    /// The time of all runs and links, in s.
+    pub seconds: f64,
+    /// The number of runs.
+    pub runs: usize,
+    /// The length of all runs, in mm.
+    pub run_length: f64,
+    /// The number of links.
+    pub links: usize,
+    /// The length of all links, in mm.
+    pub link_length: f64,
+    /// The number of links over the clearance height.
+    pub lifts: usize,
+    /// The time that runs and links would take without acceleration, in s.
+    pub moving_seconds: f64,
+    /// The time that the runs would take without stops, in s.
+    pub cutting_seconds: f64,
+}
+
+/// A path and its figures.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Tour {
+    pub(super) points: Vec<TourPoint>,
+    /// The points at which runs begin.
+    pub(super) run_starts: Vec<usize>,
+    pub(super) figures: TourFigures,
+}
+
+impl Tour {
+    /// The path of runs. Short links without steps stay on the surface where that is sooner than over the clearance height.
+    pub(super) fn of(workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, runs: &[Run], chord_tolerance: f64) -> Self {
+        let near = NEAR_IN_RADII * prepared.profile.outer_radius();
+        let mut tour = Self::default();
+        for leg in in_order(runs, settings.pattern, near) {
+            tour.add_link(workpiece, prepared, settings, runs, leg, chord_tolerance);
+            tour.add_run(workpiece, prepared, settings, &runs[leg.run], leg.reversed);
+        }
+        tour
+    }
+
+    /// The moves of the path.
+    pub(super) fn moves(&self) -> Vec<Move> {
+        self.points.windows(2).map(|pair| Move { from: pair[0].tip, to: pair[1].tip, kind: pair[1].kind }).collect()
+    }
+
+    fn add_run(&mut self, workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, run: &Run, reversed: bool) {
+        self.run_starts.push(self.points.len());
+        let tips: Vec<&RunTip> = if reversed { run.tips.iter().rev().collect() } else { run.tips.iter().collect() };
+        let (mut length, mut seconds) = (0.0, 0.0);
+        let mut last: Option<&RunTip> = None;
+        for tip in tips {
+            let (step, rate) = match last {
+                None => (0.0, prepared.link_rate),
+                Some(last) => (travel::distance(last.tip, tip.tip), rate_of_move(workpiece, prepared, last, tip)),
+            };
+            length += step;
+            seconds += step / rate;
+            // The first tip is where the link ends.
+            let kind = if last.is_none() && self.points.is_empty() { MoveKind::Link } else { MoveKind::Cut };
+            match self.points.last_mut() {
+                Some(point) if last.is_none() && travel::distance(point.tip, tip.tip) < 1e-12 => point.of_run = Some(*tip),
+                _ => self.points.push(TourPoint { tip: tip.tip, kind, of_run: Some(*tip), rate }),
+            }
+            last = Some(tip);
+        }
+        if let Some(start) = self.run_starts.last_mut() {
+            *start = (*start).min(self.points.len().saturating_sub(run.tips.len()));
+        }
+        self.figures.runs += 1;
+        self.figures.run_length += length;
+        self.figures.cutting_seconds += seconds;
+        self.figures.moving_seconds += seconds;
+        self.figures.seconds += travel::run(length, seconds, &settings.machine);
+    }
+
+    fn add_link(
+        &mut self,
+        workpiece: &Workpiece,
+        prepared: &Prepared,
+        settings: &PlanSettings,
+        runs: &[Run],
+        leg: Leg,
+        chord_tolerance: f64,
+    ) {
+        let Some(from) = self.points.last().map(|point| point.tip) else { return };
+        let to = runs[leg.run].end(leg.reversed);
+        let clearance = workpiece.top + settings.machine.clearance_height.mm();
+        let machine = &settings.machine;
+        let over = travel::lift(from, to, clearance, prepared.link_rate, machine);
+        let is_near = (to[0] - from[0]).hypot(to[1] - from[1]) <= NEAR_IN_RADII * prepared.profile.outer_radius();
+        let surface =
+            (is_near && settings.pattern == Pattern::Zigzag).then(|| link_on_surface(workpiece, prepared, from, to, chord_tolerance));
+        let step = STEP_IN_RADII * prepared.profile.outer_radius();
+        let surface = surface.filter(|points| highest_step(points) <= step).map(|points| (travel::length_of(points.iter()), points));
+        self.figures.links += 1;
+        if let Some((length, points)) = surface.filter(|(length, _)| travel::straight(*length, prepared.link_rate, machine) <= over) {
+            self.figures.link_length += length;
+            self.figures.seconds += travel::straight(length, prepared.link_rate, machine);
+            self.figures.moving_seconds += length / prepared.link_rate;
+            self.points.extend(points.into_iter().skip(1).map(|tip| link_point(tip, MoveKind::Link, prepared.link_rate)));
+            return;
+        }
+        let rapid = machine.rapid_rate.mm_s();
+        let lifted = [[from[0], from[1], clearance], [to[0], to[1], clearance], [to[0], to[1], (to[2] + APPROACH_HEIGHT).min(clearance)]];
+        let length = travel::length_of([from].iter().chain(&lifted).chain([to].iter()));
+        self.figures.lifts += 1;
+        self.figures.link_length += length;
+        self.figures.seconds += over;
+        self.figures.moving_seconds += (length - APPROACH_HEIGHT) / rapid + APPROACH_HEIGHT / prepared.link_rate;
+        self.points.extend(lifted.map(|tip| link_point(tip, MoveKind::Rapid, rapid)));
+        self.points.push(link_point(to, MoveKind::Link, prepared.link_rate));
+    }
+}
+
+fn link_point(tip: [f64; 3], kind: MoveKind, rate: f64) -> TourPoint {
+    TourPoint { tip, kind, of_run: None, rate }
+}
+
+/// A straight link seen from above that is nowhere under the tips' surface: straight in space where it can be.
+fn link_on_surface(workpiece: &Workpiece, prepared: &Prepared, from: [f64; 3], to: [f64; 3], chord_tolerance: f64) -> Vec<[f64; 3]> {
+    let floor = from[2].min(to[2]);
+    let tips = tips_between(&workpiece.drop, &prepared.profile, [from[0], from[1]], [to[0], to[1]], chord_tolerance, Some(floor));
+    let across = (to[0] - from[0]).hypot(to[1] - from[1]).max(1e-12);
+    let straight = |x: f64, y: f64| from[2] + (to[2] - from[2]) * (x - from[0]).hypot(y - from[1]) / across;
+    let mut points = vec![from];
+    for tip in tips {
+        let [x, y, z] = tip.position;
+        let height = straight(x, y);
+        if z > height + chord_tolerance {
+            points.push([x, y, z]);
+        } else if points.len() > 1 {
+            points.push([x, y, height.max(z)]);
+        }
+    }
+    points.push(to);
+    points
+}
+
+/// The feed rate in mm/s of the move between two tips of a run: the lower of both ends'.
+fn rate_of_move(workpiece: &Workpiece, prepared: &Prepared, from: &RunTip, to: &RunTip) -> f64 {
+    let along = [to.tip[0] - from.tip[0], to.tip[1] - from.tip[1]];
+    let length = along[0].hypot(along[1]);
+    let rate = |tip: &RunTip| {
+        tip.target.filter(|_| length > 0.0).map(|target| {
+            let tangent = &workpiece.tangents[target];
+            let (cos_alpha, _) = tangent.alpha(along.map(|part| part / length));
+            prepared.feeds.rate(tangent, cos_alpha, 1.0)
+        })
+    };
+    match (rate(from), rate(to)) {
+        (Some(a), Some(b)) => a.min(b),
+        (Some(a), None) | (None, Some(a)) => a,
+        (None, None) => prepared.link_rate,
+    }
+}

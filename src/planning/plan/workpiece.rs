@@ -1,0 +1,209 @@
+//! The part as plans see it: the facets to machine, all facets for the drop-cutter, and which facets meet at a contact.
+
+use super::tangent::Tangent;
+use crate::milling::Profile;
+use crate::path::{DropCutter, Feature, Touch};
+use crate::quantity::{Angle, Area, Length};
+use crate::surface::mesh::{FacetClass, Visibility};
+use crate::surface::{FinishFacet, Mesh};
+use nalgebra::Vector3;
+use std::sync::LazyLock;
+
+/// The position among the targets of a facet that is not to be machined.
+const NONE: u32 = u32::MAX;
+
+/// While the tip leaves a facet around a border or a wall's upper edge, the facet counts as touched until the contact's
+/// normal has turned by this cosine: 2 deg, over which a corner of 1 mm falls by 0.6 um.
+const STILL_TOUCHED: f64 = 0.999_39;
+
+/// The part: the facets to machine and all that a cutter must not cut.
+#[derive(Debug)]
+pub struct Workpiece {
+    pub(super) drop: DropCutter,
+    pub(super) targets: Vec<FinishFacet>,
+    pub(super) tangents: Vec<Tangent>,
+    /// The facet of each target.
+    facets: Vec<u32>,
+    /// The target of each facet, or [`NONE`].
+    target_of: Vec<u32>,
+    triangles: Vec<[u32; 3]>,
+    /// The facets around each point, those of point p from `around_starts[p]` to `around_starts[p + 1]`.
+    around: Vec<u32>,
+    around_starts: Vec<u32>,
+    /// The lowest and the highest point of the targets and of everything.
+    pub(super) bounds: [[f64; 3]; 2],
+    pub(super) top: f64,
+    /// The area in mm^2 of what is selected and too steep to be machined, walls excepted.
+    steep_area: f64,
+}
+
+impl Workpiece {
+    /// The part of a mesh: what is selected, seen from above and not too steep is machined, all else is not to be cut. `avoid`
+    /// is a second mesh that is not to be cut. Once `stop` returns true, the result must be discarded.
+    #[must_use]
+    pub fn new(mesh: &Mesh, visibility: &Visibility, selected: &[bool], avoid: Option<&Mesh>, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+        let mut planned = mesh.facets_for_finishing_until(visibility, selected, stop).into_iter();
+        let mut targets: Vec<(u32, FinishFacet)> = Vec::new();
+        let mut steep_area = 0.0;
+        for ((facet, class), selected) in (0..).zip(visibility.classes()).zip(selected) {
+            match class {
+                FacetClass::Machined if *selected => targets.extend(planned.next().map(|planned| (facet, planned))),
+                FacetClass::Steep { wall: false } if *selected => steep_area += planned.next().map_or(0.0, |planned| planned.area),
+                _ => {}
+            }
+        }
+        let mut points = mesh.points().to_vec();
+        let mut triangles = mesh.triangles().to_vec();
+        if let Some(avoid) = avoid {
+            let shift = u32::try_from(points.len()).unwrap_or(NONE);
+            points.extend_from_slice(avoid.points());
+            triangles.extend(avoid.triangles().iter().map(|corners| corners.map(|corner| corner + shift)));
+        }
+        let facets: Vec<[[f64; 3]; 3]> = triangles.iter().map(|corners| corners.map(|corner| points[corner as usize])).collect();
+        let drop = DropCutter::new(&facets, stop);
+        let mut around_starts = vec![0_u32; points.len() + 1];
+        for corner in triangles.iter().flatten() {
+            around_starts[*corner as usize + 1] += 1;
+        }
+        for point in 0..points.len() {
+            around_starts[point + 1] += around_starts[point];
+        }
+        let mut next = around_starts.clone();
+        let mut around = vec![0; 3 * triangles.len()];
+        for (facet, corners) in (0..).zip(&triangles) {
+            for corner in corners {
+                around[next[*corner as usize] as usize] = facet;
+                next[*corner as usize] += 1;
+            }
+        }
+        let mut target_of = vec![NONE; triangles.len()];
+        for (target, (facet, _)) in (0..).zip(&targets) {
+            target_of[*facet as usize] = target;
+        }
+        let (facets, targets): (Vec<u32>, Vec<FinishFacet>) = targets.into_iter().unzip();
+        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+        for corner in targets.iter().flat_map(|target| &target.corners) {
+            for axis in 0..3 {
+                bounds[0][axis] = bounds[0][axis].min(corner[axis]);
+                bounds[1][axis] = bounds[1][axis].max(corner[axis]);
+            }
+        }
+        let top = points.iter().map(|point| point[2]).fold(f64::NEG_INFINITY, f64::max);
+        let tangents = targets.iter().map(Tangent::of).collect();
+        Self { drop, targets, tangents, facets, target_of, triangles, around, around_starts, bounds, top, steep_area }
+    }
+
+    /// The facet of a target in the mesh.
+    pub(super) fn facet_of(&self, target: usize) -> u32 {
+        self.facets[target]
+    }
+
+    /// The number of facets that are machined.
+    #[must_use]
+    pub fn machined_facets(&self) -> usize {
+        self.targets.len()
+    }
+
+    /// The position of a facet among those that are to be machined.
+    #[must_use]
+    pub fn target_of(&self, facet: u32) -> Option<usize> {
+        let target = self.target_of[facet as usize];
+        (target != NONE).then_some(target as usize)
+    }
+
+    fn facets_around(&self, point: u32) -> &[u32] {
+        let range = self.around_starts[point as usize] as usize..self.around_starts[point as usize + 1] as usize;
+        &self.around[range]
+    }
+
+    /// The target that a contact finishes: the one whose inside, edge or corner is touched. At an edge or corner that
+    /// other facets share, the contact's normal must still be that of the target; between targets it may have any.
+    pub(super) fn finished_by(&self, touch: &Touch) -> Option<usize> {
+        let shared: Vec<u32> = match touch.feature {
+            Feature::Inside => return self.target_of(touch.facet),
+            Feature::Vertex(corner) => self.facets_around(self.triangles[touch.facet as usize][usize::from(corner)]).to_vec(),
+            Feature::Edge(_) => self.facets_beside(self.edge_of(touch)),
+        };
+        let is_inner = match touch.feature {
+            Feature::Vertex(corner) => !self.is_on_border(self.triangles[touch.facet as usize][usize::from(corner)], &shared),
+            _ => shared.len() > 1,
+        };
+        if is_inner && shared.iter().all(|facet| self.target_of[*facet as usize] != NONE) {
+            return self.target_of(shared[0]);
+        }
+        let turned = |facet: &u32| {
+            let target = self.target_of(*facet)?;
+            let cos = Vector3::from(self.targets[target].normal).normalize().dot(&touch.normal);
+            (cos >= STILL_TOUCHED).then_some((target, cos))
+        };
+        shared.iter().filter_map(turned).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(target, _)| target)
+    }
+
+    /// The ends of the edge that a contact touches.
+    fn edge_of(&self, touch: &Touch) -> [u32; 2] {
+        let triangle = self.triangles[touch.facet as usize];
+        let first = if let Feature::Edge(first) = touch.feature { usize::from(first) } else { 0 };
+        [triangle[first], triangle[(first + 1) % 3]]
+    }
+
+    fn facets_beside(&self, [a, b]: [u32; 2]) -> Vec<u32> {
+        self.facets_around(a).iter().filter(|facet| self.triangles[**facet as usize].contains(&b)).copied().collect()
+    }
+
+    /// Whether a point with these facets around it is on an edge that belongs to one facet only.
+    fn is_on_border(&self, point: u32, around: &[u32]) -> bool {
+        let mut others: Vec<u32> =
+            around.iter().flat_map(|facet| self.triangles[*facet as usize]).filter(|corner| *corner != point).collect();
+        others.sort_unstable();
+        others.chunk_by(|a, b| a == b).any(|same| same.len() == 1)
+    }
+
+    /// The highest facet over or under a point seen from above, and the height there.
+    pub(super) fn facet_under(&self, [x, y]: [f64; 2]) -> Option<Touch> {
+        /// A ball of a millionth of a millimetre: what a vertical line touches.
+        static LINE: LazyLock<Profile> = LazyLock::new(|| Profile::torus(1e-6, 1e-6));
+        self.drop.drop(&LINE, x, y, None)
+    }
+
+    /// The figures of the surface.
+    /// The figures of what is machined.
+    #[must_use]
+    pub fn figures(&self) -> SurfaceFigures {
+        let mut sums = [0.0; 3];
+        for (tangent, target) in self.tangents.iter().zip(&self.targets) {
+            let [steepest, twist, level] = tangent.curvature;
+            sums[0] += target.area;
+            sums[1] += target.area * tangent.slope();
+            sums[2] += target.area * (steepest * steepest + level * level + 2.0 * twist * twist).sqrt();
+        }
+        let [area, slopes, curvature] = sums;
+        let steep_area = self.steep_area;
+        #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
+        let count = self.targets.len().max(1) as f64;
+        let of_area = |sum: f64| if area > 0.0 { sum / area } else { 0.0 };
+        SurfaceFigures {
+            area: Area::computed(area + steep_area),
+            mean_slope: Angle::from_radians(of_area(slopes)),
+            steep_area_share: if area > 0.0 { steep_area / (area + steep_area) } else { 0.0 },
+            facet_size: Length::computed((2.0 * area / count).sqrt()),
+            sagitta: Length::computed(of_area(curvature) * 2.0 * area / count / 8.0),
+        }
+    }
+}
+
+/// The figures of the surface to machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceFigures {
+    /// The area of all selected facets that are seen from above.
+    pub area: Area,
+    /// The mean slope over the area that is machined.
+    pub mean_slope: Angle,
+    /// The share of the area that is steeper than the largest slope and not machined.
+    pub steep_area_share: f64,
+    /// The side of a square with twice the area of the mean facet: squares of this side, each split into two triangles,
+    /// are as many facets.
+    pub facet_size: Length,
+    /// The distance of facets of that size from the surface: k size^2 / 8, with k the mean of the curvature over the
+    /// area.
+    pub sagitta: Length,
+}

@@ -1,0 +1,201 @@
+//! The path of a plan, point by point.
+
+use super::parts::{profile, steps};
+use super::surfaces::{Facet, Height, facets, placed, published};
+use super::{drive, in_direction, mm, published_cutters, ranked_on, settings, workpiece};
+use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
+use scallopd::motion::{Machine, MachineLimits, travel_time};
+use scallopd::path::MoveKind;
+use scallopd::planning::plan::{CandidateCutter, CandidatePlan, Passes, PlanSettings, Workpiece, passes};
+use scallopd::quantity::{Length, Speed};
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn planned(part: &Workpiece, candidate: CandidateCutter, settings: &PlanSettings) -> (CandidatePlan, Passes) {
+    let plan = ranked_on(part, &[candidate], settings).plans.remove(0);
+    let path = passes(part, &plan, &candidate, settings, &|| false).unwrap();
+    (plan, path)
+}
+
+/// The time of a path by section 5 of the model: a run from rest to rest at its mean speed, a link on the surface as one
+/// move, and each move of a lift by itself.
+fn timed(path: &Passes, machine: &Machine) -> f64 {
+    let time = |length: f64, feed_rate: Speed| {
+        if length > 0.0 {
+            travel_time(Length::from_mm(length).unwrap(), MachineLimits { feed_rate, ..machine.limits }).seconds()
+        } else {
+            0.0
+        }
+    };
+    let ends = path.run_starts[1..].iter().copied().chain([path.points.len()]);
+    let mut seconds = 0.0;
+    for (start, end) in path.run_starts.iter().copied().zip(ends) {
+        let (mut run, mut at_rate, mut link, mut is_lifted) = (0.0, 0.0, 0.0, false);
+        for index in start + 1..end {
+            let point = &path.points[index];
+            let length = distance(path.points[index - 1].tip, point.tip);
+            match point.kind {
+                MoveKind::Cut => {
+                    run += length;
+                    at_rate += length / point.feed_rate.mm_s();
+                }
+                MoveKind::Link if !is_lifted => link += length,
+                MoveKind::Link | MoveKind::Rapid => {
+                    is_lifted = true;
+                    seconds += time(length, point.feed_rate);
+                }
+            }
+        }
+        if run > 0.0 {
+            seconds += time(run, Speed::from_mm_min(60.0 * run / at_rate).unwrap());
+        }
+        // The link after a run, and its last move, which ends at the next run's first point.
+        if let Some(next) = path.points.get(end) {
+            let length = distance(path.points[end - 1].tip, next.tip);
+            if is_lifted { seconds += time(length, next.feed_rate) } else { seconds += time(link + length, next.feed_rate) }
+        }
+    }
+    seconds
+}
+
+/// A boss on a floor, turned: with lifts, links and runs along its walls.
+fn boss() -> Vec<Facet> {
+    let part = steps(&[0.0, 14.0, 24.0, 36.0], &[0.0, 12.0, 22.0, 34.0], &[&[0.0; 3], &[0.0, 5.0, 0.0], &[0.0; 3]]);
+    placed(&part, 17.0, [0.0; 3])
+}
+
+#[test]
+fn the_points_in_their_order_are_the_whole_path_of_the_stated_time_and_length() {
+    let patch = facets(&published(0), 30, 30);
+    let [bull_nose, ball] = published_cutters();
+    let driven = CandidateCutter { drive: Some(drive(2, 10_000.0)), ..bull_nose };
+    let small = CandidateCutter::new(Cutter::toroidal(mm(6.0), mm(1.0)).unwrap());
+    for (facets, candidate) in [(&patch, bull_nose), (&patch, ball), (&patch, driven), (&boss(), small)] {
+        let settings = PlanSettings { max_uncut_share: 1.0, ..in_direction(Model::Envelope, 20.0) };
+        let (plan, path) = planned(&workpiece(facets), candidate, &settings);
+        let tour = plan.milled.unwrap().tour;
+        assert_eq!((path.run_starts.len(), path.run_starts[0]), (tour.runs, 0));
+        let length = |is_cut: bool| -> f64 {
+            let pairs = path.points.windows(2).filter(|pair| (pair[1].kind == MoveKind::Cut) == is_cut);
+            pairs.map(|pair| distance(pair[0].tip, pair[1].tip)).sum()
+        };
+        approx::assert_relative_eq!(length(true), tour.run_length, max_relative = 1e-9);
+        approx::assert_relative_eq!(length(false), tour.link_length, max_relative = 1e-9);
+        let (timed, stated) = (timed(&path, &settings.machine), plan.time.seconds());
+        println!("{timed:.3} s of the moves, {stated:.3} s stated; {tour:?}");
+        assert!((timed / stated - 1.0).abs() < 0.01, "{timed} s, {stated} s stated");
+        // Rapid moves go up, across at one height and down.
+        for pair in path.points.windows(2).filter(|pair| pair[1].kind == MoveKind::Rapid) {
+            let [from, to] = [pair[0].tip, pair[1].tip];
+            let across = (to[0] - from[0]).hypot(to[1] - from[1]);
+            assert!(across < 1e-9 || (to[2] - from[2]).abs() < 1e-9, "{pair:?}");
+            approx::assert_relative_eq!(pair[1].feed_rate.mm_s(), settings.machine.rapid_rate.mm_s(), max_relative = 1e-12);
+        }
+        // Links and lifts have no contact, and every run has some.
+        assert!(path.points.iter().all(|point| point.kind == MoveKind::Cut || point.cut.is_none() || point.kind == MoveKind::Link));
+        assert!(path.points.iter().any(|point| point.cut.is_some()));
+    }
+}
+
+/// Waves that are convex, concave and twisted, with a level saddle and level tops.
+fn waves(x: f64, y: f64) -> [f64; 6] {
+    let ((sx, cx), (sy, cy)) = ((x / 18.0).sin_cos(), (y / 22.0).sin_cos());
+    let [xx, xy, yy] = [-6.0 * sx * cy / (18.0 * 18.0), -6.0 * cx * sy / (18.0 * 22.0), -6.0 * sx * cy / (22.0 * 22.0) + 0.008];
+    [6.0 * sx * cy + 0.15 * x + 0.004 * y * y, 6.0 * cx * cy / 18.0 + 0.15, -6.0 * sx * sy / 22.0 + 0.008 * y, xx, xy, yy]
+}
+
+#[test]
+fn the_points_of_every_cutter_have_the_heights_of_contacts_with_their_figures() {
+    let part = workpiece(&facets(&Height { low: [0.0; 2], high: [40.0, 28.0], surface: waves }, 20, 14));
+    let settings = in_direction(Model::Envelope, 27.0);
+    let (sin, cos) = 27.0_f64.to_radians().sin_cos();
+    let [bull_nose, ball] = published_cutters().map(|candidate| candidate.cutter);
+    for cutter in [bull_nose, ball, Cutter::toroidal(mm(10.0), mm(0.5)).unwrap(), Cutter::flat_end(mm(6.0))] {
+        for drive in [None, Some(drive(2, 12_000.0))] {
+            let (_, path) = planned(&part, CandidateCutter { drive, ..CandidateCutter::new(cutter) }, &settings);
+            let (mut compared, mut cuts) = (0, 0);
+            for (point, cut) in path.points.iter().filter_map(|point| Some((point, point.cut?))) {
+                cuts += 1;
+                let n = cut.normal;
+                let feed = [cos, sin, -(n[0] * cos + n[1] * sin) / n[2]];
+                let [along, across, twist] = cut.curvature;
+                let pass = Pass {
+                    cutter,
+                    contact: Contact::from_vectors(n, feed, None).unwrap(),
+                    surface: SurfaceCurvature::from_components_per_mm(along, across, twist).unwrap(),
+                    runout: Runout::NONE,
+                    teeth: drive.and_then(|drive| std::num::NonZeroU32::new(drive.teeth)),
+                };
+                let evaluated = EvaluatedPass::new(Model::Envelope, pass);
+                let height = evaluated.ok().and_then(|pass| pass.scallop_height(cut.step_over, point.feed_per_tooth).ok());
+                if let (Some(height), Some(stated)) = (height, cut.scallop_height) {
+                    let ratio = height.total().mm() / stated.mm();
+                    assert!((ratio - 1.0).abs() <= 1e-6, "{cutter:?} {drive:?} {ratio} {point:?}");
+                    compared += 1;
+                }
+            }
+            println!("{cutter:?}, {drive:?}: {compared} of {cuts} points have a height");
+            assert!(2 * compared > cuts);
+        }
+    }
+}
+
+/// The tips of the first run of a plan along x, in the order of x.
+fn tips_over(corners: &[[f64; 2]], cutter: Cutter) -> Vec<[f64; 3]> {
+    let part = workpiece(&profile(corners, 20.0));
+    let settings = PlanSettings { max_uncut_share: 1.0, ..in_direction(Model::Envelope, 0.0) };
+    let (_, path) = planned(&part, CandidateCutter::new(cutter), &settings);
+    let first = &path.points[..path.run_starts[1]];
+    let mut tips: Vec<[f64; 3]> = first.iter().filter(|point| point.kind == MoveKind::Cut).map(|point| point.tip).collect();
+    if tips[0][0] > tips[tips.len() - 1][0] {
+        tips.reverse();
+    }
+    tips
+}
+
+#[test]
+fn the_tip_turns_around_a_ridge_and_follows_a_valley_to_its_bottom() {
+    let (half, slope) = (20.0, 20.0_f64.to_radians());
+    let rise = half * slope.tan();
+    for cutter in [Cutter::ball_end(mm(10.0)), Cutter::toroidal(mm(10.0), mm(2.0)).unwrap()] {
+        let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
+        // The ridge lies at the origin. No tip is lower than one that touches it, but for the chord tolerance of 1 um.
+        let over_ridge = tips_over(&[[-half, -rise], [0.0, 0.0], [half, -rise]], cutter);
+        for [x, _, z] in over_ridge
+            .windows(2)
+            .flat_map(|pair| (0..=20).map(|i| [0, 1, 2].map(|axis| pair[0][axis] + f64::from(i) / 20.0 * (pair[1][axis] - pair[0][axis]))))
+        {
+            let beyond = (x.abs() - core).max(0.0);
+            let lowest = if beyond < corner { (corner * corner - beyond * beyond).sqrt() - corner } else { f64::NEG_INFINITY };
+            assert!(z > lowest - 0.001 - 1e-9, "{cutter:?}: {z} at {x}, under {lowest}");
+        }
+        // In the valley the tip touches both sides in the middle, and goes straight to there.
+        let over_valley = tips_over(&[[-half, rise], [0.0, 0.0], [half, rise]], cutter);
+        let lowest = over_valley.iter().copied().min_by(|a, b| a[2].total_cmp(&b[2])).unwrap();
+        let touching = corner / slope.cos() - corner + core * slope.tan();
+        assert!(lowest[0].abs() < 0.01 && (lowest[2] - touching).abs() < 0.001, "{cutter:?}: {lowest:?}, not {touching}");
+        assert!(over_valley.windows(2).all(|pair| pair[1][0] >= pair[0][0] - 1e-9), "{over_valley:?}");
+    }
+}
+
+#[test]
+fn a_rib_that_is_not_machined_is_crossed_above_it() {
+    // A rib of 12 mm between two floors, whose walls are vertical and whose top is a point higher than any tip of the floors.
+    let part = profile(&[[0.0, 0.0], [30.0, 0.0], [31.0, 12.0], [33.0, 12.0], [34.0, 0.0], [64.0, 0.0]], 20.0);
+    let settings = PlanSettings { max_uncut_share: 1.0, ..settings(Model::Envelope) };
+    let (_, path) = planned(&workpiece(&part), CandidateCutter::new(Cutter::ball_end(mm(10.0))), &settings);
+    for pair in path.points.windows(2) {
+        for i in 0..=20 {
+            let at = [0, 1, 2].map(|axis| pair[0].tip[axis] + f64::from(i) / 20.0 * (pair[1].tip[axis] - pair[0].tip[axis]));
+            let beside = (31.0 - at[0]).max(at[0] - 33.0).max(0.0);
+            // Beyond the part's borders the tip goes down.
+            if !(0.0..=64.0).contains(&at[0]) || !(0.0..=20.0).contains(&at[1]) {
+                continue;
+            }
+            let lowest = if beside < 5.0 { 12.0 - 5.0 + (25.0 - beside * beside).sqrt() } else { 0.0 };
+            assert!(at[2] >= lowest - 0.002, "{at:?}, under {lowest}");
+        }
+    }
+}

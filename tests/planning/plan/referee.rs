@@ -1,0 +1,347 @@
+//! Plans judged by an independent simulator of the swept solid: what their paths leave on parts with floors, walls, fillets,
+//! edges and holes, for flat-end, toroidal and ball-end cutters.
+
+use super::parts::{blade, cavity, cone_on_floor, dome_on_flange, field, fillet_wall, holes, plate, profile, relief, steps};
+use super::surfaces::{Facet, cross, dot, minus, placed, unit};
+use super::{in_direction, mm, ranked_on, settings, workpiece};
+use crate::simulation::random::Random;
+use crate::simulation::swept::{Swept, Torus};
+use scallopd::milling::{Cutter, Model};
+use scallopd::path::MoveKind;
+use scallopd::planning::plan::{CandidateCutter, Passes, PlanSettings, passes};
+use std::fmt;
+
+/// The scallop height of all plans, in mm.
+const TOLERANCE: f64 = 0.01;
+
+/// What the tip may stand into another place of the part when it touches a place that counts as reachable, in mm.
+const STANDS_INTO: f64 = 0.005;
+
+/// The most places drawn on a part.
+const PLACES: usize = 6_000;
+
+/// The spacing of the points that stand for the whole part, in mm. A ball of 3 mm between two of them is 1 um deeper.
+const SPACING: f64 = 0.15;
+
+/// The points of a part, in square cells seen from above.
+struct Points {
+    low: [f64; 2],
+    columns: usize,
+    starts: Vec<usize>,
+    places: Vec<[f64; 3]>,
+}
+
+const CELL: f64 = 1.0;
+
+impl Points {
+    /// Points on all facets, their edges included, `SPACING` apart.
+    fn of(facets: &[Facet]) -> Self {
+        let mut points = Vec::new();
+        for [a, b, c] in facets {
+            let longest = [[a, b], [b, c], [c, a]].into_iter().map(|[p, q]| dot(minus(*p, *q), minus(*p, *q)).sqrt()).fold(0.0, f64::max);
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "hundreds")]
+            let parts = (longest / SPACING).ceil().max(1.0) as u32;
+            for i in 0..=parts {
+                for j in 0..=parts - i {
+                    let (u, v) = (f64::from(i) / f64::from(parts), f64::from(j) / f64::from(parts));
+                    points.push([0, 1, 2].map(|axis| a[axis] + u * (b[axis] - a[axis]) + v * (c[axis] - a[axis])));
+                }
+            }
+        }
+        let least = |axis: usize| points.iter().map(|point: &[f64; 3]| point[axis]).fold(f64::INFINITY, f64::min);
+        let low = [least(0), least(1)];
+        let most = points.iter().map(|point| point[0]).fold(f64::NEG_INFINITY, f64::max);
+        let columns = cell(most - low[0]) + 1;
+        let of = |point: &[f64; 3]| cell(point[1] - low[1]) * columns + cell(point[0] - low[0]);
+        points.sort_by_key(of);
+        let last = points.last().map_or(0, of);
+        let starts = (0..=last + 1).map(|cell| points.partition_point(|point| of(point) < cell)).collect();
+        Self { low, columns, starts, places: points }
+    }
+
+    /// How far the cutter with this tip stays clear of all points, negative where it stands into one.
+    fn clearance(&self, cutter: Torus, tip: [f64; 3]) -> f64 {
+        let mut least = f64::INFINITY;
+        let reach = cutter.outer + 0.5;
+        let columns = cell((tip[0] - reach - self.low[0]).max(0.0))..(cell((tip[0] + reach - self.low[0]).max(0.0)) + 1).min(self.columns);
+        for row in cell((tip[1] - reach - self.low[1]).max(0.0))..=cell((tip[1] + reach - self.low[1]).max(0.0)) {
+            for at in columns.clone().map(|column| row * self.columns + column).filter(|at| at + 1 < self.starts.len()) {
+                for point in &self.places[self.starts[at]..self.starts[at + 1]] {
+                    least = least.min(cutter.distance(minus(*point, tip)));
+                }
+            }
+        }
+        least
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "hundreds")]
+fn cell(from_low: f64) -> usize {
+    (from_low / CELL) as usize
+}
+
+/// Whether the cutter can stand so that it touches a place and nothing else.
+fn can_reach(points: &Points, cutter: Torus, place: [f64; 3], normal: [f64; 3]) -> bool {
+    let horizontal = normal[0].hypot(normal[1]);
+    let tip = |aside: [f64; 2]| {
+        let centre = [0, 1, 2].map(|axis| place[axis] + cutter.corner * normal[axis]);
+        [centre[0] + aside[0], centre[1] + aside[1], centre[2] - cutter.corner]
+    };
+    let core = cutter.outer - cutter.corner;
+    if horizontal > 1e-9 {
+        let down_hill = tip([core * normal[0] / horizontal, core * normal[1] / horizontal]);
+        if points.clearance(cutter, down_hill) >= -STANDS_INTO {
+            return true;
+        }
+    }
+    // Under the flat of a cutter a level place is touched from every axis within it.
+    let around = (0..4).flat_map(|ring| (0..16).map(move |step| (f64::from(ring) / 3.0, std::f64::consts::TAU * f64::from(step) / 16.0)));
+    horizontal * core < 0.02
+        && around
+            .map(|(share, turn)| tip([share * core * turn.cos(), share * core * turn.sin()]))
+            .any(|tip| points.clearance(cutter, tip) >= -STANDS_INTO)
+}
+
+/// What a path leaves, and what its plan states.
+#[derive(Debug, Clone, Copy)]
+struct Verdict {
+    /// The shares of the area left over 1.02 of the tolerance, of what the cutter can reach and of the rest.
+    over: f64,
+    uncut: f64,
+    /// The deepest cut into the part in um: of cuts and of links and lifts.
+    gouge: [f64; 2],
+    /// The median left in um.
+    median: f64,
+    stated: [f64; 3],
+    seconds: f64,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { over, uncut, gouge, median, stated, seconds } = self;
+        write!(
+            f,
+            "over {:.2} % (stated {:.2}), uncut {:.2} % (stated {:.2}), gouges {:.1} um, links {:.1} um (stated {:.1}), median {median:.1} um, {seconds:.1} s",
+            100.0 * over,
+            100.0 * stated[0],
+            100.0 * uncut,
+            100.0 * stated[1],
+            gouge[0],
+            gouge[1],
+            stated[2],
+        )
+    }
+}
+
+impl Verdict {
+    /// The promises: half a per cent of what the cutter reaches over 1.02 of the tolerance at most, no cut into the part
+    /// deeper than 4 um, and stated shares within a percentage point.
+    fn is_kept(&self) -> bool {
+        self.over <= 0.005
+            && self.gouge.iter().all(|depth| *depth <= 4.0)
+            && (self.over - self.stated[0]).abs() <= 0.01
+            && (self.uncut - self.stated[1]).abs() <= 0.01
+    }
+}
+
+fn moves_of(passes: &Passes, is_cut: bool) -> Vec<[[f64; 3]; 2]> {
+    let pairs = passes.points.windows(2).filter(|pair| (pair[1].kind == MoveKind::Cut) == is_cut);
+    pairs.map(|pair| [pair[0].tip, pair[1].tip]).collect()
+}
+
+/// Places of the facets up to 85 deg, drawn evenly over their area, with their normals.
+fn drawn(facets: &[Facet]) -> Vec<([f64; 3], [f64; 3])> {
+    let with_area = |facet: &Facet| {
+        let normal = cross(minus(facet[1], facet[0]), minus(facet[2], facet[0]));
+        let area = dot(normal, normal).sqrt() / 2.0;
+        (area > 1e-12).then(|| (*facet, unit(normal), area)).filter(|(_, normal, _)| normal[2] >= 85_f64.to_radians().cos())
+    };
+    let machined: Vec<(Facet, [f64; 3], f64)> = facets.iter().filter_map(with_area).collect();
+    let whole: f64 = machined.iter().map(|(.., area)| area).sum();
+    let mut random = Random(3);
+    let mut places = Vec::new();
+    let (mut passed, mut due) = (0.0, 0.0);
+    #[expect(clippy::cast_precision_loss, reason = "thousands")]
+    let share = whole / PLACES as f64;
+    for ([a, b, c], normal, area) in machined {
+        passed += area;
+        while due < passed {
+            due += share;
+            let (mut u, mut v) = (random.unit(), random.unit());
+            if u + v > 1.0 {
+                (u, v) = (1.0 - u, 1.0 - v);
+            }
+            places.push(([0, 1, 2].map(|axis| a[axis] + u * (b[axis] - a[axis]) + v * (c[axis] - a[axis])), normal));
+        }
+    }
+    places
+}
+
+/// Plans a cutter on a part and mills it.
+fn verdict(facets: &[Facet], cutter: Cutter, settings: &PlanSettings) -> Option<Verdict> {
+    let part = workpiece(facets);
+    let candidate = CandidateCutter::new(cutter);
+    let settings = PlanSettings { max_uncut_share: 1.0, ..settings.clone() };
+    let ranking = ranked_on(&part, &[candidate], &settings);
+    let plan = ranking.plans.first()?;
+    let path = passes(&part, plan, &candidate, &settings, &|| false)?;
+    let solid = Torus { outer: cutter.outer_radius().mm(), corner: cutter.corner_radius().mm() };
+    let [cuts, others] = [true, false].map(|is_cut| Swept::new(solid, moves_of(&path, is_cut)));
+    let links =
+        Swept::new(solid, path.points.windows(2).filter(|pair| pair[1].kind == MoveKind::Link).map(|pair| [pair[0].tip, pair[1].tip]));
+    let points = Points::of(facets);
+    let places = drawn(facets);
+    let cap = 5.0 * TOLERANCE;
+    let mut left: Vec<f64> = places.iter().map(|(place, _)| cuts.distance(*place, cap).min(links.distance(*place, cap))).collect();
+    let over: Vec<_> = places.iter().zip(&left).filter(|(_, left)| **left > 1.02 * TOLERANCE).map(|(place, _)| place).collect();
+    // Of many places, some stand for all.
+    let every = over.len().div_ceil(400).max(1);
+    let looked_at: Vec<_> = over.iter().step_by(every).collect();
+    let reached = looked_at.iter().filter(|(place, normal)| can_reach(&points, solid, *place, *normal)).count();
+    #[expect(clippy::cast_precision_loss, reason = "thousands")]
+    let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
+    let (over, reachable) = (share(over.len(), places.len()), share(reached, looked_at.len()));
+    let deepest = |swept: &Swept| 1e3 * points.places.iter().map(|point| -swept.distance(*point, 0.0)).fold(0.0, f64::max);
+    let gouge = [deepest(&cuts), deepest(&others)];
+    left.sort_by(f64::total_cmp);
+    let figures = plan.milled?.finish;
+    Some(Verdict {
+        over: over * reachable,
+        uncut: over * (1.0 - reachable),
+        gouge,
+        median: 1e3 * left[left.len() / 2],
+        stated: [figures.far_over_share, figures.uncut_share, 1e3 * figures.gouge.mm()],
+        seconds: plan.time.seconds(),
+    })
+}
+
+fn ball(diameter: f64) -> Cutter {
+    Cutter::ball_end(mm(diameter))
+}
+
+fn bull_nose(diameter: f64, corner: f64) -> Cutter {
+    Cutter::toroidal(mm(diameter), mm(corner)).unwrap()
+}
+
+fn flat(diameter: f64) -> Cutter {
+    Cutter::flat_end(mm(diameter))
+}
+
+/// Plans each cutter on a part, every second one on the part turned by an odd angle, and prints what it leaves.
+///
+/// # Panics
+///
+/// Where a promise is not kept.
+fn keeps_the_tolerance(name: &str, facets: &[Facet], cutters: &[Cutter]) {
+    let mut broken = Vec::new();
+    for (cutter, (turn, direction)) in cutters.iter().zip([(0.0, 0.0), (17.3, 90.0)].into_iter().cycle()) {
+        let verdict = verdict(&placed(facets, turn, [0.0; 3]), *cutter, &in_direction(Model::Envelope, direction));
+        let said = verdict.map_or_else(|| "no plan".to_owned(), |verdict| verdict.to_string());
+        let (diameter, corner) = (2.0 * cutter.outer_radius().mm(), cutter.corner_radius().mm());
+        let line = format!("{name}, turned {turn} deg, direction {direction} deg, D{diameter} r{corner}: {said}");
+        println!("{line}");
+        if !verdict.is_some_and(|verdict| verdict.is_kept()) {
+            broken.push(line);
+        }
+    }
+    assert!(broken.is_empty(), "{broken:#?}");
+}
+
+#[test]
+fn plates() {
+    keeps_the_tolerance("level plate", &plate([30.0, 20.0], 0.0), &[ball(6.0), bull_nose(10.0, 2.0), flat(6.0)]);
+    keeps_the_tolerance("tilted plate", &plate([30.0, 20.0], 25.0), &[ball(6.0), bull_nose(10.0, 2.0), flat(6.0)]);
+}
+
+#[test]
+fn pocket() {
+    let part = steps(&[0.0, 6.0, 26.0, 32.0], &[0.0, 6.0, 20.0, 26.0], &[&[5.0; 3], &[5.0, 0.0, 5.0], &[5.0; 3]]);
+    keeps_the_tolerance("pocket", &part, &[bull_nose(6.0, 1.0), flat(6.0), ball(4.0)]);
+}
+
+#[test]
+fn boss() {
+    let part = steps(&[0.0, 14.0, 24.0, 36.0], &[0.0, 12.0, 22.0, 34.0], &[&[0.0; 3], &[0.0, 5.0, 0.0], &[0.0; 3]]);
+    keeps_the_tolerance("boss", &part, &[bull_nose(6.0, 1.0), flat(6.0), ball(4.0)]);
+}
+
+#[test]
+fn two_levels() {
+    let part = steps(&[0.0, 15.0, 34.0], &[0.0, 24.0], &[&[4.0], &[0.0]]);
+    keeps_the_tolerance("two levels", &part, &[bull_nose(6.0, 1.0), flat(6.0), ball(6.0)]);
+}
+
+#[test]
+fn ribs() {
+    let part = steps(&[0.0, 10.0, 12.0, 22.0, 24.0, 34.0], &[0.0, 20.0], &[&[0.0], &[3.0], &[0.0], &[3.0], &[0.0]]);
+    keeps_the_tolerance("ribs", &part, &[bull_nose(6.0, 1.0), flat(6.0), ball(4.0)]);
+}
+
+#[test]
+fn narrow_slot() {
+    let part = steps(&[0.0, 12.0, 15.0, 28.0], &[0.0, 22.0], &[&[0.0], &[-3.0], &[0.0]]);
+    keeps_the_tolerance("narrow slot", &part, &[bull_nose(6.0, 1.0), flat(6.0), ball(2.0)]);
+}
+
+#[test]
+fn relief_of_strokes() {
+    keeps_the_tolerance("relief", &relief(), &[bull_nose(2.0, 0.5), flat(2.0), ball(2.0)]);
+}
+
+#[test]
+fn holes_in_a_plate() {
+    keeps_the_tolerance("holes", &holes(), &[bull_nose(10.0, 2.0), flat(6.0), ball(6.0)]);
+}
+
+#[test]
+fn slanted_walls() {
+    let part = profile(&[[0.0, 0.0], [10.0, 0.0], [14.0, 8.0], [24.0, 8.0], [30.0, 0.0], [40.0, 0.0]], 20.0);
+    keeps_the_tolerance("slanted walls", &part, &[bull_nose(6.0, 1.0), ball(6.0)]);
+}
+
+#[test]
+fn slopes_behind_narrow_ledges() {
+    let half = [[0.0, 0.0], [0.01, 0.0], [0.01, 0.08], [2.0, 2.07], [20.0, 2.5]];
+    let other = half.iter().rev().skip(1).map(|[x, z]| [40.0 - x, *z]);
+    let part = profile(&half.iter().copied().chain(other).collect::<Vec<_>>(), 20.0);
+    keeps_the_tolerance("narrow ledges", &part, &[ball(6.0), bull_nose(6.0, 1.0)]);
+}
+
+#[test]
+fn a_cone_on_a_floor() {
+    keeps_the_tolerance("cone on floor", &cone_on_floor(32.0, [12.0, 16.0], [9.0, 6.0, 5.0]), &[bull_nose(6.0, 1.0), flat(6.0), ball(6.0)]);
+}
+
+#[test]
+fn a_wall_with_fillets() {
+    keeps_the_tolerance("fillet wall", &field([34.0, 20.0], 0.25, fillet_wall), &[ball(6.0), bull_nose(6.0, 1.0)]);
+}
+
+#[test]
+fn a_cavity() {
+    keeps_the_tolerance("cavity", &field([40.0, 32.0], 0.4, cavity), &[ball(6.0), bull_nose(6.0, 1.0)]);
+}
+
+#[test]
+fn waves() {
+    let surface = |x: f64, y: f64| 1.5 * (x / 5.0).sin() * (y / 7.0).cos() + 0.1 * x;
+    keeps_the_tolerance("waves", &field([32.0, 24.0], 0.4, surface), &[ball(6.0), bull_nose(6.0, 1.0), flat(4.0)]);
+}
+
+#[test]
+fn a_dome_on_a_flange() {
+    keeps_the_tolerance("dome on flange", &field([32.0, 32.0], 0.4, dome_on_flange), &[ball(6.0)]);
+}
+
+#[test]
+fn a_blade() {
+    keeps_the_tolerance("blade", &field([30.0, 20.0], 0.5, blade), &[ball(6.0), bull_nose(6.0, 1.0)]);
+}
+
+#[test]
+fn in_all_directions() {
+    let part = steps(&[0.0, 6.0, 26.0, 32.0], &[0.0, 6.0, 20.0, 26.0], &[&[5.0; 3], &[5.0, 0.0, 5.0], &[5.0; 3]]);
+    let verdict = verdict(&placed(&part, 33.0, [0.0; 3]), flat(6.0), &settings(Model::Envelope)).unwrap();
+    println!("pocket, turned 33, all directions, D6 r0: {verdict}");
+    assert!(verdict.is_kept(), "{verdict}");
+}
