@@ -25,6 +25,8 @@ codes! {
         SeveralPieces = "several-pieces": "The surface is in several pieces", "Send or select one piece at a time.";
         SimulationDisagrees = "simulation-disagrees": "The simulation on the surface gives another time", "Use method \"surface\".";
         SimulationPrefersOther = "simulation-prefers-other": "The simulation on the surface prefers another cutter", "Use method \"surface\".";
+        NotMilled = "not-milled": "Paths are too long to be milled, and their times are estimates", "Select a part of the surface, or allow more height.";
+        AssumedFeed = "assumed-feed": "The fastest cutter's feed is assumed, those of others are stated", "State teeth, spindle speed and largest feed per tooth of each cutter.";
         SmallLead = "small-lead": "The fastest cutter is hardly faster than the next", "Decide by other reasons, such as tool wear.";
         CoarseTessellation = "coarse-tessellation": "The facets are wide compared with the step-over", "Export the surface with a finer tolerance.";
         SteepArea = "steep-area": "Part of the area is too steep for the spacing of passes", "Finish the walls in a separate operation.";
@@ -38,7 +40,7 @@ codes! {
 
 same_names! {
     SurfaceWeakness => ConfidenceCode:
-    SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, OverTolerance, Gouge,
+    NotMilled, AssumedFeed, SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, OverTolerance, Gouge,
 }
 
 same_names! {

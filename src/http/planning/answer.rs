@@ -111,8 +111,13 @@ answer! {
     #[derive(Clone)]
     struct PlannedFigures of (plan: &CandidatePlan) {
         /// `milled`: the time and all figures are those of the tips' path, milled; `estimated`: the cutter's estimated time is
-        /// more than 1.5 times the shortest, or eight other cutters have shorter ones, and its path was not made.
+        /// more than 1.5 times the shortest, or eight other cutters have shorter ones, or paths have too many points, and its
+        /// path was not milled.
         figures: FiguresSource [required = false] = if plan.milled.is_some() { FiguresSource::Milled } else { FiguresSource::Estimated },
+        /// The share of the area that is left over the scallop height because the cutter does not fit.
+        uncut_share: f64 [required = false, minimum = 0, maximum = 1] = plan.uncut_share,
+        /// The largest height left there.
+        uncut_height_mm: f64 [required = false, minimum = 0] = plan.uncut_height.mm(),
         /// A lower bound: no passes that keep the scallop height take less time, without stops and walls.
         least_time_s: f64 [required = false, minimum = 0] = plan.least_time.seconds(),
         /// The times of the directions that were tried and have a plan.
@@ -130,10 +135,6 @@ answer! {
         scallop_height_mm: ScallopAnswer [required = false] = ScallopAnswer::of(&milled.finish),
         /// The share of the area that the cutter can reach and the path leaves more than 2 % over the scallop height.
         over_tolerance_share: f64 [required = false, minimum = 0, maximum = 1] = milled.finish.far_over_share,
-        /// The share of the area that is left over the scallop height because the cutter does not fit.
-        uncut_share: f64 [required = false, minimum = 0, maximum = 1] = milled.finish.uncut_share,
-        /// The largest height left there.
-        uncut_height_mm: f64 [required = false, minimum = 0] = milled.finish.uncut_height.mm(),
         /// The deepest cut into the part, links and lifts included.
         gouge_mm: f64 [required = false, minimum = 0] = milled.finish.gouge.mm(),
         /// The share of the area that is left with at least half of the scallop height.

@@ -104,9 +104,9 @@ impl Task {
         self.warnings.extend(ranking.plans.iter().filter(|plan| plan.flutes_too_short).map(|plan| short_flutes(plan, named)));
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
         let points = ranking.plans.first().map_or(0, CandidatePlan::points);
-        let fits = points <= MOST_POINTS;
+        let fits = (1..=MOST_POINTS).contains(&points);
         if self.parameters.includes(Part::Passes) && !fits {
-            let detail = format!("the passes have {points} points, more than {MOST_POINTS}, and were left out");
+            let detail = format!("the passes have more than {MOST_POINTS} points and were left out");
             self.warnings.push(Warning::new(WarningCode::PassesLeftOut, detail));
         }
         let passes = if self.parameters.includes(Part::Passes) && fits { PassesAnswer::new(machined, &simulation, stop) } else { None };

@@ -14,13 +14,14 @@ use super::workpiece::Workpiece;
 use crate::path::Milled;
 use crate::quantity::Angle;
 use rayon::prelude::*;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 
 /// The share of the scallop height by which chords between tips may differ from the tips' surface.
 pub(super) const CHORD_SHARE: f64 = 0.1;
 
-/// The rounds in which lines move.
+/// The most rounds in which lines move, and the share of the time that a round must save to be followed by another.
 const ROUNDS: usize = 4;
+const WORTHWHILE: f64 = 0.01;
 
 /// A plan is taken as it is once this share of the area, at most, is over the scallop height.
 const ENOUGH: f64 = 0.002;
@@ -42,6 +43,8 @@ pub(super) enum NoPlan {
     NoLines,
     /// The lines meet nothing that the cutter reaches.
     NoRuns,
+    /// The path has more points than one is milled with.
+    TooLong,
     /// `stop` returned true.
     Stopped,
 }
@@ -55,6 +58,8 @@ pub(super) struct Planner<'a> {
     pub(super) stations: &'a [Station],
     /// The feet of walls, once a plan needs them.
     pub(super) feet: OnceCell<Feet>,
+    /// The points of all paths milled so far.
+    pub(super) milled_points: &'a Cell<usize>,
     pub(super) stop: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -79,7 +84,7 @@ impl Planner<'_> {
         let mut best: Option<MilledPlan> = None;
         for _ in 0..ROUNDS {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
-            let mut runs = maker.runs(&lines);
+            let mut runs = maker.runs(&lines).ok_or(NoPlan::TooLong)?;
             if stop() {
                 return Err(NoPlan::Stopped);
             }
@@ -99,9 +104,12 @@ impl Planner<'_> {
                     plan = self.judged_plan(&maker, direction, &lines, &runs)?;
                 }
             }
-            let is_better = best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best));
-            if is_better {
+            let is_last = best.as_ref().is_some_and(|best| !is_worthwhile(rank_of(best), rank_of(&plan)));
+            if best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best)) {
                 best = Some(plan);
+            }
+            if is_last {
+                break;
             }
         }
         best.ok_or(NoPlan::NoRuns)
@@ -111,6 +119,7 @@ impl Planner<'_> {
         let Self { workpiece, prepared, settings, stations, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let tour = Tour::of(workpiece, prepared, settings, runs, maker.chord_tolerance);
+        self.milled_points.set(self.milled_points.get() + tour.points.len());
         let milled = Milled::new(&prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
         let judged = judged(workpiece, stations, prepared, maker.heading.along, &milled, height, stop).ok_or(NoPlan::Stopped)?;
         let gouge = judged.par_iter().filter_map(|judged| judged.left).map(|left| (-left).max(0.0)).reduce(|| 0.0, f64::max);
@@ -130,4 +139,14 @@ impl Planner<'_> {
 pub(super) fn rank_of(plan: &MilledPlan) -> (bool, f64) {
     let over = plan.finish.far_over_share;
     if over <= ENOUGH { (false, plan.tour.figures.seconds) } else { (true, over) }
+}
+
+/// Whether a round after one with the rank `before` has saved enough for another: as long as the scallop height is not kept,
+/// and while the time falls.
+fn is_worthwhile(before: (bool, f64), after: (bool, f64)) -> bool {
+    match (before.0, after.0) {
+        (true, _) => true,
+        (false, true) => false,
+        (false, false) => after.1 < (1.0 - WORTHWHILE) * before.1,
+    }
 }

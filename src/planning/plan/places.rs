@@ -1,6 +1,7 @@
 //! Places drawn evenly over the area to machine, on which plans are estimated and judged.
 
 use super::workpiece::Workpiece;
+use rayon::prelude::*;
 
 /// A place of the surface to machine.
 #[derive(Debug, Clone, Copy)]
@@ -12,7 +13,10 @@ pub(super) struct Place {
     pub(super) area: f64,
 }
 
-/// About `count` places of the targets: the area is divided into equal parts along a curve that fills the plane, and in each
+/// A facet higher than this over a place, in mm, hides it.
+const HIDDEN: f64 = 1e-3;
+
+/// About `count` places of the targets that are seen from above: the area is divided into equal parts along a curve that fills the plane, and in each
 /// a random place is drawn. Evenly spaced, the places of a regular grid would lie on a few lines.
 #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
 pub(super) fn drawn(workpiece: &Workpiece, count: usize) -> Vec<Place> {
@@ -30,7 +34,12 @@ pub(super) fn drawn(workpiece: &Workpiece, count: usize) -> Vec<Place> {
             due = (places.len() as f64 + random.next()) * share;
         }
     }
-    places
+    // Of a large facet that is partly hidden, its visible part is machined.
+    let is_seen = |place: &Place| {
+        let [x, y, z] = place.point;
+        workpiece.facet_under([x, y]).is_none_or(|over| over.height <= z + HIDDEN)
+    };
+    places.into_par_iter().with_min_len(64).filter(is_seen).collect()
 }
 
 /// The targets in the order of a curve that fills the plane (Morton's), so that neighbours in the order are neighbours seen

@@ -4,7 +4,7 @@
 use super::candidate::CandidateCutter;
 use super::estimate::{least_seconds, seconds};
 use super::judged::FinishFigures;
-use super::milled_plan::{MilledPlan, NoPlan, Planner};
+use super::milled_plan::{MilledPlan, NoPlan, Planner, rank_of};
 use super::places::{Place, drawn};
 use super::prepared::{Prepared, rows_of};
 use super::settings::{Directions, PlanSettings};
@@ -16,7 +16,8 @@ use crate::milling::{Cutter, Model};
 use crate::planning::{Confidence, Level, Reason, RectanglePlan, plan_on_rectangle};
 use crate::quantity::{Angle, Length, Speed, Time};
 use rayon::prelude::*;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
+use std::cmp::Ordering;
 use std::fmt;
 
 /// The places on which directions are estimated.
@@ -30,6 +31,14 @@ const FAR_BEHIND: f64 = 1.5;
 
 /// The candidates that are milled at most, those with the shortest estimates. A library has 200, and a path takes seconds.
 const MOST_CANDIDATES: usize = 8;
+
+/// The points of paths that are milled at most for all candidates, some ten seconds on two threads, and those of a path from
+/// which on a candidate is milled in one direction only.
+const MOST_POINTS: usize = 2_000_000;
+const ONE_DIRECTION: usize = 100_000;
+
+/// The share of the area that a path may leave more than 2 % over the scallop height and still keep it.
+const KEPT: f64 = 0.005;
 
 /// The directions of a candidate that are milled at most, and the factor over the shortest estimate beyond which a direction
 /// is not.
@@ -48,7 +57,7 @@ pub struct Ranking {
     pub not_ranked: Vec<NotRanked>,
     /// The figures of the surface.
     pub surface: SurfaceFigures,
-    /// The confidence in the order of the plans; `None` without a plan.
+    /// The confidence in the order of the plans; `None` without any.
     pub confidence: Option<Confidence<SurfaceWeakness>>,
 }
 
@@ -61,9 +70,14 @@ pub struct CandidatePlan {
     pub direction: Angle,
     /// The time of all runs and links: of the tips' path, or estimated.
     pub time: Time,
-    /// The milled plan; `None` for a candidate that is too far behind, or not among the eight with the shortest estimates,
-    /// whose time is an estimate.
+    /// The milled plan. It is `None`, and the time is an estimate, for a candidate that is too far behind or not among the
+    /// eight with the shortest estimates, and for paths of too many points.
     pub milled: Option<MilledFigures>,
+    /// The share of the area that the cutter leaves over the scallop height because it does not fit, and the largest height
+    /// left there: of the milled path, or estimated.
+    pub uncut_share: f64,
+    /// The largest height left there.
+    pub uncut_height: Length,
     /// A lower bound: no lines that keep the scallop height take less time.
     pub least_time: Time,
     /// The time of each direction that was tried; `None` if it has no plan. Times of directions that were not milled are
@@ -172,6 +186,8 @@ struct Estimated {
     prepared: Prepared,
     directions: Vec<(Angle, Option<f64>)>,
     least_seconds: f64,
+    uncut_share: f64,
+    uncut_height: f64,
 }
 
 impl Estimated {
@@ -242,41 +258,52 @@ pub fn rank(
     let last = shortest.get(MOST_CANDIDATES - 1).copied().unwrap_or(f64::INFINITY);
     let limit = shortest.first().map_or(0.0, |shortest| (FAR_BEHIND * shortest).min(last));
     let many = drawn(workpiece, JUDGED_ON);
+    let milled_points = Cell::new(0);
     let mut plans = Vec::new();
+    estimated.sort_by(|a, b| a.shortest().total_cmp(&b.shortest()));
     for of_candidate in estimated {
         let index = of_candidate.prepared.index;
-        if of_candidate.shortest() > limit {
+        if of_candidate.shortest() > limit || milled_points.get() >= MOST_POINTS {
             plans.push(of_candidate.unmilled(workpiece, settings));
             continue;
         }
         let on = stations(workpiece, &of_candidate.prepared.profile, &many, height, stop);
-        let planner = Planner { workpiece, prepared: &of_candidate.prepared, settings, stations: &on, feet: OnceCell::new(), stop };
+        let prepared = &of_candidate.prepared;
+        let planner =
+            Planner { workpiece, prepared, settings, stations: &on, feet: OnceCell::new(), milled_points: &milled_points, stop };
         let (mut best, mut times): (Option<MilledPlan>, Vec<(Angle, Option<Time>)>) = (None, Vec::new());
+        let mut is_too_long = false;
         for direction in of_candidate.to_mill() {
+            let points = best.as_ref().map_or(0, |best| best.tour.points.len());
+            if is_too_long || points > ONE_DIRECTION || (points > 0 && milled_points.get() >= MOST_POINTS) {
+                break;
+            }
             match planner.plan(direction) {
                 Ok(plan) => {
                     times.push((direction, Some(Time::computed(plan.tour.figures.seconds))));
-                    if best.as_ref().is_none_or(|best| super::milled_plan::rank_of(&plan) < super::milled_plan::rank_of(best)) {
+                    if best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best)) {
                         best = Some(plan);
                     }
                 }
                 Err(NoPlan::Stopped) => return None,
                 Err(NoPlan::NoLines | NoPlan::NoRuns) => times.push((direction, None)),
+                Err(NoPlan::TooLong) => is_too_long = true,
             }
         }
         match best {
             Some(best) => plans.push(of_candidate.milled(workpiece, settings, best, &times)),
+            None if is_too_long => plans.push(of_candidate.unmilled(workpiece, settings)),
             None => not_ranked.push(NotRanked { candidate: index, reason: NotRankedReason::NoStepOver }),
         }
-        keep_path_of_fastest(&mut plans);
+        keep_path_of_first(&mut plans);
     }
     if stop() {
         return None;
     }
-    plans.sort_by(|a, b| a.milled.is_none().cmp(&b.milled.is_none()).then(a.time.seconds().total_cmp(&b.time.seconds())));
+    plans.sort_by(in_order);
     not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
     let surface = workpiece.figures();
-    let confidence = Confidence::of(&plans, &surface, settings.scallop_height, evidence);
+    let confidence = Confidence::of(&plans, candidates, &surface, settings.scallop_height, evidence);
     Some(Ranking { plans, not_ranked, surface, confidence })
 }
 
@@ -301,11 +328,16 @@ pub fn estimated_times(
     Some(times)
 }
 
-/// Drops the paths of all plans but the fastest: those of two hundred cutters would take gigabytes.
-fn keep_path_of_fastest(plans: &mut [CandidatePlan]) {
-    let milled = plans.iter().enumerate().filter(|(_, plan)| plan.milled.is_some());
-    let fastest = milled.min_by(|(_, a), (_, b)| a.time.seconds().total_cmp(&b.time.seconds())).map(|(index, _)| index);
-    for (_, plan) in plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != fastest) {
+/// Milled plans before estimated ones, among them those that keep the scallop height before the others, then by time.
+fn in_order(a: &CandidatePlan, b: &CandidatePlan) -> Ordering {
+    let class = |plan: &CandidatePlan| plan.milled.map_or(2, |milled| u8::from(milled.finish.far_over_share > KEPT));
+    class(a).cmp(&class(b)).then(a.time.seconds().total_cmp(&b.time.seconds()))
+}
+
+/// Drops the paths of all plans but the first in order: those of several would take hundreds of megabytes.
+fn keep_path_of_first(plans: &mut [CandidatePlan]) {
+    let first = plans.iter().enumerate().min_by(|(_, a), (_, b)| in_order(a, b)).map(|(index, _)| index);
+    for (_, plan) in plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != first) {
         plan.plan = None;
     }
 }
@@ -325,9 +357,9 @@ fn estimate(
     let out_of_reach: Vec<&Station> = on.iter().filter(|station| station.lift > height).collect();
     #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
     let uncut_share = out_of_reach.len() as f64 / on.len().max(1) as f64;
+    let uncut_height = out_of_reach.iter().map(|station| station.lift).filter(|lift| lift.is_finite()).fold(0.0, f64::max);
     if uncut_share > settings.max_uncut_share {
-        let highest = out_of_reach.iter().map(|station| station.lift).filter(|lift| lift.is_finite()).fold(0.0, f64::max);
-        return Err(NotRankedReason::CannotReach { uncut_share, uncut_height: Length::computed(highest) });
+        return Err(NotRankedReason::CannotReach { uncut_share, uncut_height: Length::computed(uncut_height) });
     }
     let time = |direction: Angle| (direction, seconds(workpiece, &on, &prepared, settings, direction));
     let all = |angles: Vec<Angle>| -> Vec<(Angle, Option<f64>)> { angles.into_par_iter().map(time).collect() };
@@ -354,7 +386,7 @@ fn estimate(
         return Err(NotRankedReason::NoStepOver);
     }
     let least_seconds = least_seconds(workpiece, &on, &prepared, height);
-    Ok(Estimated { prepared, directions, least_seconds })
+    Ok(Estimated { prepared, directions, least_seconds, uncut_share, uncut_height })
 }
 
 impl Estimated {
@@ -366,6 +398,8 @@ impl Estimated {
             direction,
             time: Time::computed(seconds),
             milled: None,
+            uncut_share: self.uncut_share,
+            uncut_height: Length::computed(self.uncut_height),
             least_time: Time::computed(self.least_seconds),
             by_direction: self.directions.iter().map(|&(angle, seconds)| (angle, seconds.map(Time::computed))).collect(),
             rectangle: on_rectangle(candidate.cutter, settings),
@@ -403,7 +437,13 @@ impl Estimated {
                 *time = *milled;
             }
         }
-        CandidatePlan { milled: Some(figures), plan: Some((best, self.prepared)), ..plan }
+        CandidatePlan {
+            milled: Some(figures),
+            uncut_share: best.finish.uncut_share,
+            uncut_height: best.finish.uncut_height,
+            plan: Some((best, self.prepared)),
+            ..plan
+        }
     }
 }
 
@@ -414,30 +454,42 @@ fn on_rectangle(cutter: Cutter, settings: &PlanSettings) -> Option<RectanglePlan
 }
 
 impl Confidence<SurfaceWeakness> {
-    /// The confidence in plans that are sorted by time, milled ones first; `None` without a milled plan.
-    fn of(plans: &[CandidatePlan], surface: &SurfaceFigures, scallop_height: Length, evidence: SurfaceEvidence) -> Option<Self> {
+    /// The confidence in plans in their order; `None` without any.
+    fn of(
+        plans: &[CandidatePlan],
+        candidates: &[CandidateCutter],
+        surface: &SurfaceFigures,
+        scallop_height: Length,
+        evidence: SurfaceEvidence,
+    ) -> Option<Self> {
         let best = plans.first()?;
-        let milled = best.milled?;
         let mut reasons = Vec::new();
+        let is_stated = |plan: &CandidatePlan| candidates[plan.candidate].drive.is_some();
+        // The machine's feed rate is the largest of all: a cutter that is slower with it is slower with any.
+        let stated = if is_stated(best) { 0 } else { plans.iter().filter(|plan| is_stated(plan)).count() };
+        let sooner = plans.iter().filter(|plan| plan.milled.is_none() && plan.time.seconds() <= best.time.seconds()).count();
+        #[expect(clippy::cast_precision_loss, reason = "counts of candidates and pieces")]
+        let [stated, sooner, pieces] = [stated, sooner, evidence.pieces].map(|count| count as f64);
+        reasons.extend(Reason::over(SurfaceWeakness::NotMilled, sooner, 0.0, if best.milled.is_some() { f64::INFINITY } else { 0.0 }));
+        reasons.extend(Reason::over(SurfaceWeakness::AssumedFeed, stated, 0.0, f64::INFINITY));
         if let Some(next) = plans.get(1) {
-            let lead = 1.0 - best.time.seconds() / next.time.seconds();
+            let lead = (1.0 - best.time.seconds() / next.time.seconds()).abs();
             if lead < 0.02 {
                 reasons.push(Reason { weakness: SurfaceWeakness::SmallLead, level: Level::Moderate, figure: lead, threshold: 0.02 });
             }
         }
-        let size = surface.facet_size.mm() / milled.step_over.median.mm();
-        #[expect(clippy::cast_precision_loss, reason = "a count of pieces")]
-        let pieces = evidence.pieces as f64;
         let sagittas = surface.sagitta.mm() / scallop_height.mm();
-        if sagittas > 0.1 {
-            reasons.extend(Reason::over(SurfaceWeakness::CoarseTessellation, size, 2.0, if sagittas > 1.0 { 8.0 } else { f64::INFINITY }));
+        if let Some(milled) = best.milled {
+            let size = surface.facet_size.mm() / milled.step_over.median.mm();
+            let (coarse, far) = (SurfaceWeakness::CoarseTessellation, if sagittas > 1.0 { 8.0 } else { f64::INFINITY });
+            reasons.extend(Reason::over(coarse, size, 2.0, far).filter(|_| sagittas > 0.1));
+            reasons.extend(Reason::over(SurfaceWeakness::OverTolerance, milled.finish.far_over_share, KEPT, 0.1));
+            reasons.extend(Reason::over(SurfaceWeakness::Gouge, milled.finish.gouge.mm() / scallop_height.mm(), 0.4, 4.0));
         }
         reasons.extend(Reason::over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
         reasons.extend(Reason::over(SurfaceWeakness::HiddenArea, evidence.hidden_area_share, 0.02, 0.2));
         reasons.extend(Reason::over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
         reasons.extend(Reason::over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
-        reasons.extend(Reason::over(SurfaceWeakness::OverTolerance, milled.finish.far_over_share, 0.005, 0.1));
-        reasons.extend(Reason::over(SurfaceWeakness::Gouge, milled.finish.gouge.mm() / scallop_height.mm(), 0.4, 4.0));
         Some(Self::from_reasons(reasons))
     }
 }

@@ -7,6 +7,7 @@ use super::workpiece::Workpiece;
 use crate::motion::Machine;
 use crate::path::{Touch, tips_between};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A tip of a run. `target` is the one that the cutter finishes there; `None` on the way over a gap and beyond a border.
 #[derive(Debug, Clone, Copy)]
@@ -67,6 +68,10 @@ pub(super) fn target_under(workpiece: &Workpiece, prepared: &Prepared, axis: [f6
     workpiece.finished_by(touch)
 }
 
+/// The most tips of a path: of some 200 m on a curved part. It bounds the memory of a plan, some 200 MB, and the time that it
+/// takes.
+pub(super) const MOST_TIPS: usize = 400_000;
+
 /// The width in mm to which the end of a run is narrowed down.
 const END: f64 = 1e-3;
 
@@ -112,12 +117,23 @@ struct LineTip {
 }
 
 impl RunMaker<'_> {
-    /// The runs of all lines, sorted by line and then along it.
-    pub(super) fn runs(&self, lines: &[f64]) -> Vec<Run> {
-        let of_line = |(line, &across): (usize, &f64)| if (self.stop)() { Vec::new() } else { self.runs_of_line(line, across, lines) };
+    /// The runs of all lines, sorted by line and then along it; `None` if they have more than `MOST_TIPS` tips.
+    pub(super) fn runs(&self, lines: &[f64]) -> Option<Vec<Run>> {
+        let tips = AtomicUsize::new(0);
+        let of_line = |(line, &across): (usize, &f64)| {
+            if (self.stop)() || tips.load(Ordering::Relaxed) > MOST_TIPS {
+                return Vec::new();
+            }
+            let runs = self.runs_of_line(line, across, lines);
+            tips.fetch_add(runs.iter().map(|run| run.tips.len()).sum(), Ordering::Relaxed);
+            runs
+        };
         let mut runs: Vec<Run> = lines.par_iter().enumerate().flat_map_iter(of_line).collect();
+        if tips.into_inner() > MOST_TIPS {
+            return None;
+        }
         self.extend_beyond_borders(&mut runs, lines);
-        runs
+        Some(runs)
     }
 
     fn runs_of_line(&self, line: usize, across: f64, lines: &[f64]) -> Vec<Run> {
@@ -136,9 +152,8 @@ impl RunMaker<'_> {
         if first > last {
             return Vec::new();
         }
-        // Stations are samples: the border is farther out, and beyond it the tip still touches its edge.
-        let beyond = 2.0 * radius;
-        let ends = [self.heading.point([first - beyond, across]), self.heading.point([last + beyond, across])];
+        let ends = [self.beyond_targets(first, -1.0, &line), self.beyond_targets(last, 1.0, &line)];
+        let ends = ends.map(|along| self.heading.point([along, across]));
         let floor = self.workpiece.bounds[0][2] - 2.0 * radius;
         let tips = tips_between(&self.workpiece.drop, &self.prepared.profile, ends[0], ends[1], self.chord_tolerance, Some(floor));
         let tips = tips.into_iter().map(|tip| {
@@ -147,6 +162,23 @@ impl RunMaker<'_> {
         });
         let tips = self.with_ends_of_targets(tips.collect(), &line);
         self.divided(position, across, &tips)
+    }
+
+    /// A place of the line beyond all that it finishes, from the outermost station. Stations are samples: the border is
+    /// farther out, and beyond it the tip still touches its edge.
+    fn beyond_targets(&self, station: f64, sense: f64, line: &Line) -> f64 {
+        const STEPS: u32 = 16;
+        let step = sense * 2.0 * self.prepared.profile.outer_radius() / f64::from(STEPS);
+        let mut guess = None;
+        let mut beyond = station + step;
+        for count in 1..=STEPS {
+            let tip = self.dropped(station + step * f64::from(count), line, guess);
+            if tip.target.is_some() {
+                beyond = tip.along + step;
+            }
+            guess = tip.touch;
+        }
+        beyond
     }
 
     fn line_tip(&self, along: f64, line: &Line, height: f64, touch: Option<Touch>) -> LineTip {

@@ -26,6 +26,11 @@ impl Default for SurfaceEvidence {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SurfaceWeakness {
+    /// Paths of plans with shorter estimated times have too many points to be milled, or all have. Figure: their number.
+    NotMilled,
+    /// The fastest cutter has no teeth and spindle speed and is timed at the machine's feed rate, others are timed at their
+    /// own. Figure: the number of these others.
+    AssumedFeed,
     /// The fastest plan leads by less than 2 %, about the error of the simulation. Figure: the lead over the next plan
     /// as a share of its time.
     SmallLead,
@@ -56,6 +61,14 @@ impl fmt::Display for Reason<SurfaceWeakness> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { figure, threshold, .. } = self;
         match self.weakness {
+            SurfaceWeakness::NotMilled => write!(
+                f,
+                "{figure:.0} candidates with shorter estimated times have paths of too many points to be milled; their figures are estimates"
+            ),
+            SurfaceWeakness::AssumedFeed => write!(
+                f,
+                "the fastest cutter has no teeth and spindle speed and is timed at the machine's feed rate; {figure:.0} others are timed at their own"
+            ),
             SurfaceWeakness::SmallLead => write!(
                 f,
                 "the fastest plan leads the next by {:.2} %, less than the {:.0} % by which the simulation may err",
