@@ -177,36 +177,21 @@ def ranking_dialog(recommendation):
 # Passes to a path
 
 
-def path_of(recommendation, spindle_speed_rpm=None, clearance_mm=5.0, approach_mm=2.0):
-    """The passes of the recommended plan as a `Path.Path`.
-
-    Runs that lie within two step-overs of each other are linked along the surface at the feed rate; others over the clearance
-    height, which is `clearance_mm` above the highest point. The tool descends at the rapid rate to `approach_mm` above the surface.
-    """
-    passes, recommended = recommendation["passes"], recommendation["recommended"]
-    plan = next(plan for plan in recommendation["candidates"] if plan["cutter"] == recommended["cutter"])
-    tips, rates = passes["tip_mm"], passes["feed_rate_mm_min"]
-    # A point without a feed of its own gets the plan's.
-    rates = [recommended["feed_rate_mm_min"] if rate is None else rate for rate in rates]
-    near = 2 * plan["step_over_xy_mm"]["max"]
-    safe = max(recommendation["surface"]["bounds_mm"]["max"][2], max(tip[2] for tip in tips)) + clearance_mm
+def path_of(recommendation, spindle_speed_rpm=None):
+    """The passes of the recommended plan as a `Path.Path`: every link, lift and approach is among them."""
+    passes = recommendation["passes"]
+    (x, y, z) = passes["tip_mm"][0]
     commands = [] if spindle_speed_rpm is None else [Path.Command("M3", {"S": spindle_speed_rpm})]
-    commands.append(Path.Command("G0", {"Z": safe}))
-    starts = passes["run_starts"]
-    for start, end in zip(starts, [*starts[1:], len(tips)]):
-        if start == 0 or math.dist(tips[start], tips[start - 1]) > near:
-            if start > 0:
-                commands.append(Path.Command("G0", {"Z": safe}))
-            commands.append(Path.Command("G0", {"X": tips[start][0], "Y": tips[start][1]}))
-            commands.append(Path.Command("G0", {"Z": min(safe, tips[start][2] + approach_mm)}))
-            commands.append(cut_to(tips[start], rates[start]))
-        else:
-            commands.append(cut_to(tips[start], min(rates[start], rates[start - 1])))
-        for index in range(start + 1, end):
-            # The tolerance must hold at both ends of a move.
-            commands.append(cut_to(tips[index], min(rates[index - 1], rates[index])))
-    commands.append(Path.Command("G0", {"Z": safe}))
+    # Up first: nobody knows where the tool is.
+    commands += [Path.Command("G0", {"Z": z}), Path.Command("G0", {"X": x, "Y": y})]
+    for move, tip, rate in list(zip(passes["move"], passes["tip_mm"], passes["feed_rate_mm_min"]))[1:]:
+        commands.append(rapid_to(tip) if move == "rapid" else cut_to(tip, rate))
     return Path.Path(commands)
+
+
+def rapid_to(tip):
+    """A rapid move."""
+    return Path.Command("G0", {"X": tip[0], "Y": tip[1], "Z": tip[2]})
 
 
 def cut_to(tip, rate_mm_min):

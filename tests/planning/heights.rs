@@ -46,6 +46,14 @@ fn contacts(passes: &Value, direction_deg: f64) -> Value {
     contacts
 }
 
+/// The contacts with normals turned by a few roundings.
+fn turned(mut contacts: Value) -> Value {
+    for normal in contacts["normal"].as_array_mut().unwrap() {
+        normal[0] = json!(normal[0].as_f64().unwrap() + 1e-14);
+    }
+    contacts
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn every_point_of_the_passes_has_the_height_of_the_batch() {
     let app = TestApp::start().await;
@@ -62,21 +70,30 @@ async fn every_point_of_the_passes_has_the_height_of_the_batch() {
             let answer = app.recommend(&request).await.ok();
             let passes = &answer["passes"];
             let contacts = contacts(passes, figure(&answer, "/recommended/direction_deg"));
-            let batch = json!({"cutter": cutter, "model": "envelope", "contacts": contacts});
-            let batch = app.answer("/v1/scallop-height/batch", &batch).await;
+            let batch_of = |contacts: &Value| json!({"cutter": cutter, "model": "envelope", "contacts": contacts});
+            let batch = app.answer("/v1/scallop-height/batch", &batch_of(&contacts)).await;
+            // Of a flat-end cutter on concave, nearly level surfaces, model `envelope` has some heights that change with the
+            // rounding of the contact. Those are found by a contact turned by 1e-14, and are few.
+            let turned = app.answer("/v1/scallop-height/batch", &batch_of(&turned(contacts))).await;
+            let of_turned = turned["scallop_height_mm"].as_array().unwrap();
             let those = with_contact(passes);
             let of_passes: Vec<&Value> = those.iter().map(|index| &passes["scallop_height_mm"][*index]).collect();
             let of_batch = batch["scallop_height_mm"].as_array().unwrap();
-            let mut compared = 0_u32;
-            for (index, (one, other)) in of_passes.iter().zip(of_batch).enumerate() {
+            let (mut compared, mut unsteady) = (0_u32, 0_u32);
+            for (index, ((one, other), turned)) in of_passes.iter().zip(of_batch).zip(of_turned).enumerate() {
                 let at = || format!("{cutter} {drive} {index}: normal {}", passes["normal"][those[index]]);
                 assert_eq!(one.is_null(), other.is_null(), "{}: {one} {other}", at());
                 if let (Some(one), Some(other)) = (one.as_f64(), other.as_f64()) {
+                    if turned.as_f64().is_none_or(|turned| (turned / other - 1.0).abs() > 1e-9) {
+                        unsteady += 1;
+                        continue;
+                    }
                     assert!((one / other - 1.0).abs() <= 1e-6, "{}: {one} {other}", at());
                     compared += 1;
                 }
             }
-            println!("{cutter} {drive}: {compared} of {} points have a height", of_passes.len());
+            println!("{cutter} {drive}: {compared} of {} points have a height, {unsteady} unsteady ones", of_passes.len());
+            assert!(unsteady <= compared / 100, "{unsteady} of {compared}");
             assert!(compared > 500 && of_passes.len() == of_batch.len());
         }
     }

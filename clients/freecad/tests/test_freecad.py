@@ -59,21 +59,28 @@ def tip_at(contact, normal, cutter):
 
 
 def answer(request):
-    """A recommendation in the service's form, with three runs on the cylinder: the first two are neighbours."""
+    """A recommendation in the service's form, with three runs on the cylinder: a link joins the first two, a lift the others."""
     if request.path.endswith("/max-feed/batch"):
         return feeds(request)
     body = request.json()
     cutter = body["cutters"][0]
-    tips, rates, starts = [], [], []
+    tips, moves, starts = [], [], []
     for number, y in enumerate((-1.0, -0.5, 10.0)):
-        starts.append(len(tips))
         along = [0.0, 10.0, 20.0, 30.0]
         for x in along if number % 2 == 0 else reversed(along):
             normal = Vector(0, y, math.sqrt(30**2 - y * y)).normalize()
             tip = tip_at(normal * 30 + Vector(x, 0, 0), normal, cutter)
+            is_first = len(starts) == number
+            if is_first:
+                lift = [] if number == 1 else [[tip.x, tip.y, 35.0], [tip.x, tip.y, tip.z + 1]]
+                before = [[*tips[-1][:2], 35.0]] if number == 2 else []
+                tips, moves = tips + before + lift, moves + ["rapid"] * len(before + lift)
+                starts.append(len(tips))
             tips.append([tip.x, tip.y, tip.z])
-            rates.append(1000.0 + 100 * len(rates))
-    rates[5] = None
+            moves.append("link" if is_first else "cut")
+    tips.append([*tips[-1][:2], 35.0])
+    moves.append("rapid")
+    rates = [1000.0 + 100 * index for index in range(len(tips))]
     spread = {"min": 0.4, "median": 0.5, "max": 0.6}
     plan = {"type": cutter["type"], "direction_deg": 0.0, "machining_time_s": 12.5, "passes": 3, "step_over_xy_mm": spread}
     plan = {**plan, "cutter": 0, "name": cutter["name"], "feed_rate_mm_min": 2500.0, "uncut_share": 0.001}
@@ -86,7 +93,7 @@ def answer(request):
         "candidates": ranked,
         "not_ranked": [{"cutter": 2, "name": "B60", "code": "cannot-reach", "detail": "12 % of the area stays uncut", "uncut_share": 0.12}],
         "surface": {"bounds_mm": {"min": [0, -30, 0], "max": [40, 30, 30]}},
-        "passes": {"run_starts": starts, "tip_mm": tips, "feed_rate_mm_min": rates, "contact_mm": [None] * len(tips)},
+        "passes": {"run_starts": starts, "move": moves, "tip_mm": tips, "feed_rate_mm_min": rates, "contact_mm": [None] * len(tips)},
         "confidence": {"level": "high", "reasons": []},
         "warnings": [{"code": "steep-area", "detail": "3 % of the area is steeper than 85 deg"}],
     }
@@ -99,6 +106,13 @@ def feeds(request):
     rates[1] = None
     failure = {"index": 1, "pointer": "/contacts/1", "code": "gouging", "detail": "the cutter does not fit"}
     return 200, {}, {"model": "envelope", "feed_rate_mm_min": rates, "failures": [failure], "summary": {}, "warnings": []}
+
+
+def off_the_cutter(point, cutter):
+    """The distance of a point, given from the tip, from the bottom of a ball-end or toroidal cutter."""
+    corner = cutter.get("corner_radius_mm", cutter["diameter_mm"] / 2)
+    beside = max(math.hypot(point.x, point.y) - (cutter["diameter_mm"] / 2 - corner), 0.0)
+    return abs(math.hypot(beside, point.z - corner) - corner)
 
 
 class Cutters(unittest.TestCase):
@@ -249,21 +263,20 @@ class Passes(unittest.TestCase):
             outward += (b - a).cross(c - a).dot(Vector(0, middle.y, middle.z)) > 0
         self.assertEqual(outward, len(mesh["triangles"]))
 
-    def test_the_path_follows_the_passes_with_the_smaller_feed_of_each_moves_ends(self):
+    def test_the_path_is_the_answers_move_by_move(self):
         recommendation = milling.recommend(self.client, convex_cylinder(), [TORUS, BALL], 0.01, "five_axis_vmc")
         feature = milling.add_path(milling.path_of(recommendation, 10000), "Finish")
         names = [command.Name for command in feature.Path.Commands]
-        # Spindle and clearance; down to the first run; the second is linked; up, over and down to the third; clearance.
-        self.assertEqual(names, ["M3", "G0", "G0", "G0", "G1"] + 3 * ["G1"] + 4 * ["G1"] + ["G0", "G0", "G0", "G1"] + 3 * ["G1"] + ["G0"])
-        cutting = [command.Parameters for command in feature.Path.Commands if command.Name == "G1"]
-        for tip, found in zip(recommendation["passes"]["tip_mm"], cutting):
+        # Spindle, up and over; down to the first run; the second is linked; up, over and down to the third; up.
+        self.assertEqual(names, ["M3", "G0", "G0", "G0"] + 8 * ["G1"] + 3 * ["G0"] + 4 * ["G1"] + ["G0"])
+        passes = recommendation["passes"]
+        columns = zip(passes["move"][1:], passes["tip_mm"][1:], passes["feed_rate_mm_min"][1:])
+        for (move, tip, rate), command in zip(columns, feature.Path.Commands[3:]):
+            self.assertEqual(command.Name, "G0" if move == "rapid" else "G1")
             for axis, value in zip("XYZ", tip):
-                self.assertAlmostEqual(found[axis], value, places=6)
-        # The sixth point has no feed of its own and takes the plan's, 2500.
-        expected = [1000, 1000, 1100, 1200, 1300, 1400, 1600, 1600, 1800, 1800, 1900, 2000]
-        self.assertEqual([round(60 * found["F"]) for found in cutting], expected)
-        heights = [command.Parameters["Z"] for command in feature.Path.Commands if command.Name == "G0" and "Z" in command.Parameters]
-        self.assertEqual(max(heights), 35)
+                self.assertAlmostEqual(command.Parameters[axis], value, places=6)
+            if move != "rapid":
+                self.assertAlmostEqual(60 * command.Parameters["F"], rate, places=6)
 
     def test_the_post_processor_writes_millimetres_per_minute(self):
         recommendation = milling.recommend(self.client, convex_cylinder(), [TORUS, BALL], 0.01, "five_axis_vmc")
@@ -275,7 +288,7 @@ class Passes(unittest.TestCase):
         self.assertIn("M3 S10000", " ".join(lines).replace("S10000.0", "S10000"))
         moves = [line for line in lines if line.startswith("G1 ")]
         self.assertEqual(len(moves), 12)
-        self.assertIn("F1000.000", moves[0])
+        self.assertIn("F1200.000", moves[0])
 
     def test_another_cutter_than_the_fastest_is_planned_on_request(self):
         request = (self.client, convex_cylinder(), [TORUS, BALL], 0.01, "five_axis_vmc")
@@ -492,7 +505,7 @@ class AgainstTheProgram(unittest.TestCase):
                 touching = [(Vector(*tip), Vector(*contact), Vector(*normal)) for tip, contact, normal in columns if contact is not None]
                 found = 0
                 for tip, contact, normal in touching[:: max(1, len(touching) // 200)]:
-                    self.assertLess(tip_at(contact, normal, cutter).distanceToPoint(tip), 1e-9)
+                    self.assertLess(off_the_cutter(contact - tip, cutter), 1e-9)
                     nearest = milling.nearest_on(faces, contact)
                     # Near the edge the nearest point of the untrimmed surface can lie outside the face.
                     if nearest is not None:
@@ -503,7 +516,7 @@ class AgainstTheProgram(unittest.TestCase):
                     found += milling.contact_of(faces, tip, cutter, 0.01) is not None
                 self.assertGreater(found, 180)
                 path = milling.path_of(recommendation, cutter["spindle_speed_rpm"])
-                self.assertEqual(sum(command.Name == "G1" for command in path.Commands), len(passes["tip_mm"]))
+                self.assertEqual(sum(command.Name == "G1" for command in path.Commands), len(passes["move"]) - passes["move"].count("rapid"))
 
     def test_the_curvature_of_the_passes_is_the_kernels(self):
         faces = free_form()

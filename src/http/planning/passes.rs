@@ -10,8 +10,8 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 answer! {
-    /// The path of the recommended plan: columns over all points. Played in order they are the whole path, links and lifts
-    /// included.
+    /// The path of the recommended plan: columns over all points. Played in order they are the whole path, from the clearance
+    /// height over the first run to the clearance height over the last, links and lifts included.
     #[schema(as = Passes)]
     pub(crate) struct PassesAnswer of (passes: plan::Passes) {
         /// The index in the columns at which each run begins.

@@ -76,9 +76,9 @@ pub struct FinishFigures {
 const FAR: f64 = 1.02;
 
 impl FinishFigures {
-    /// The figures of judged stations; `height` is the scallop height to keep, `tolerance` the lift in mm up to which a
-    /// station counts as reached, and `gouge` the deepest cut found.
-    pub(super) fn of(stations: &[Station], judged: &[Judged], height: f64, tolerance: f64, gouge: f64) -> Self {
+    /// The figures of judged stations; `height` is the scallop height to keep, and the lift in mm up to which a station counts
+    /// as reached.
+    pub(super) fn of(stations: &[Station], judged: &[Judged], height: f64) -> Self {
         let whole: f64 = stations.iter().map(|station| station.place.area).sum();
         let mut heights = Vec::with_capacity(stations.len());
         let (mut over, mut far, mut uncut, mut used, mut uncut_height) = (0.0, 0.0, 0.0, 0.0, 0.0_f64);
@@ -86,7 +86,7 @@ impl FinishFigures {
             let material = judged.material();
             let area = station.place.area;
             used += if material >= height / 2.0 { area } else { 0.0 };
-            if station.lift > tolerance && material > height {
+            if station.lift > height && material > height {
                 uncut += area;
                 uncut_height = uncut_height.max(if material.is_finite() { material } else { station.lift });
                 continue;
@@ -106,6 +106,7 @@ impl FinishFigures {
             let place = (share * heights.len() as f64) as usize;
             Length::computed(heights.get(place.min(heights.len().saturating_sub(1))).copied().unwrap_or(0.0))
         };
+        let gouge = judged.iter().filter_map(|judged| judged.left).fold(0.0, |deepest: f64, left| deepest.max(-left));
         let of = |area: f64| if whole > 0.0 { area / whole } else { 0.0 };
         Self {
             p50: at(0.5),
@@ -127,7 +128,8 @@ const MOST_NARROWED: f64 = 0.5;
 const MOST_WIDENED: f64 = 1.35;
 
 /// Changes the spacings that lines may have so that the height left between them becomes the scallop height: the height
-/// grows with the square of the spacing. Stations that no line can reach in their strip do not count.
+/// grows with the square of the spacing. Stations that no line can reach in their strip do not count. Of n random places across
+/// a parabolic ridge the highest is at (n/(n+1))^2 of its height, which is made up for.
 pub(super) fn respace(
     allowed: &mut Allowed,
     lines: &[f64],
@@ -135,7 +137,6 @@ pub(super) fn respace(
     stations: &[Station],
     judged: &[Judged],
     height: f64,
-    tolerance: f64,
 ) {
     if lines.len() < 2 {
         return;
@@ -144,7 +145,7 @@ pub(super) fn respace(
     for (station, judged) in stations.iter().zip(judged) {
         let [_, across] = heading.of_point(station.axis);
         let strip = lines.partition_point(|line| *line <= across);
-        if strip == 0 || strip == lines.len() || station.lift > tolerance {
+        if strip == 0 || strip == lines.len() || station.lift > height {
             continue;
         }
         // A place that the whole strip leaves standing is no matter of spacing.
@@ -158,7 +159,10 @@ pub(super) fn respace(
             heights.sort_unstable_by(f64::total_cmp);
             // A thousandth of a strip's area may be over.
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);
-            heights.get(place).map_or(1.0, |highest| (height / highest.max(1e-3 * height)).sqrt().clamp(MOST_NARROWED, MOST_WIDENED))
+            #[expect(clippy::cast_precision_loss, reason = "thousands")]
+            let missed = 1.0 + 1.0 / heights.len().max(1) as f64;
+            let factor = |highest: &f64| ((height / highest.max(1e-3 * height)).sqrt() / missed).clamp(MOST_NARROWED, MOST_WIDENED);
+            heights.get(place).map_or(1.0, factor)
         })
         .collect();
     for (strip, pair) in lines.windows(2).enumerate() {

@@ -12,15 +12,16 @@ use super::stations::Station;
 use super::tour::Tour;
 use super::workpiece::Workpiece;
 use crate::path::Milled;
-use crate::quantity::Angle;
-use rayon::prelude::*;
+use crate::quantity::{Angle, Length};
 use std::cell::{Cell, OnceCell};
 
 /// The share of the scallop height by which chords between tips may differ from the tips' surface.
 pub(super) const CHORD_SHARE: f64 = 0.1;
 
-/// The most rounds in which lines move, and the share of the time that a round must save to be followed by another.
-const ROUNDS: usize = 4;
+/// The fewest and the most rounds in which lines move. After the fewest, a round is followed by another while the scallop height
+/// is not kept, or if it saves this share of the time.
+const FEWEST_ROUNDS: usize = 3;
+const ROUNDS: usize = 6;
 const WORTHWHILE: f64 = 0.01;
 
 /// A plan is taken as it is once this share of the area, at most, is over the scallop height.
@@ -54,8 +55,10 @@ pub(super) struct Planner<'a> {
     pub(super) workpiece: &'a Workpiece,
     pub(super) prepared: &'a Prepared,
     pub(super) settings: &'a PlanSettings,
-    /// The stations on which lines are spaced and the plan is judged.
+    /// The stations on which lines are spaced.
     pub(super) stations: &'a [Station],
+    /// Those on which the plan is judged. Where lines are spaced, a plan is better than elsewhere.
+    pub(super) unseen: &'a [Station],
     /// The feet of walls, once a plan needs them.
     pub(super) feet: OnceCell<Feet>,
     /// The points of all paths milled so far.
@@ -82,7 +85,7 @@ impl Planner<'_> {
             stop,
         };
         let mut best: Option<MilledPlan> = None;
-        for _ in 0..ROUNDS {
+        for round in 1..=ROUNDS {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
             let mut runs = maker.runs(&lines).ok_or(NoPlan::TooLong)?;
             if stop() {
@@ -92,7 +95,7 @@ impl Planner<'_> {
                 return Err(NoPlan::NoRuns);
             }
             let mut plan = self.judged_plan(&maker, direction, &lines, &runs)?;
-            respace(&mut allowed, &lines, &heading, stations, &plan.judged, height, height);
+            respace(&mut allowed, &lines, &heading, stations, &plan.judged, height);
             if self.left_standing(&plan) > 0.0 {
                 let along_borders = self.feet.get_or_init(|| Feet::of(workpiece, prepared, maker.chord_tolerance, stop)).runs(
                     stations,
@@ -104,7 +107,7 @@ impl Planner<'_> {
                     plan = self.judged_plan(&maker, direction, &lines, &runs)?;
                 }
             }
-            let is_last = best.as_ref().is_some_and(|best| !is_worthwhile(rank_of(best), rank_of(&plan)));
+            let is_last = round >= FEWEST_ROUNDS && best.as_ref().is_some_and(|best| !is_worthwhile(rank_of(best), rank_of(&plan)));
             if best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best)) {
                 best = Some(plan);
             }
@@ -112,7 +115,7 @@ impl Planner<'_> {
                 break;
             }
         }
-        best.ok_or(NoPlan::NoRuns)
+        self.measured(&maker, best.ok_or(NoPlan::NoRuns)?)
     }
 
     fn judged_plan(&self, maker: &RunMaker, direction: Angle, lines: &[f64], runs: &[Run]) -> Result<MilledPlan, NoPlan> {
@@ -122,9 +125,19 @@ impl Planner<'_> {
         self.milled_points.set(self.milled_points.get() + tour.points.len());
         let milled = Milled::new(&prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
         let judged = judged(workpiece, stations, prepared, maker.heading.along, &milled, height, stop).ok_or(NoPlan::Stopped)?;
-        let gouge = judged.par_iter().filter_map(|judged| judged.left).map(|left| (-left).max(0.0)).reduce(|| 0.0, f64::max);
-        let finish = FinishFigures::of(stations, &judged, height, height, gouge);
+        let finish = FinishFigures::of(stations, &judged, height);
         Ok(MilledPlan { direction, lines: lines.to_vec(), tour, finish, judged })
+    }
+
+    /// A plan with the figures of the unseen stations.
+    fn measured(&self, maker: &RunMaker, plan: MilledPlan) -> Result<MilledPlan, NoPlan> {
+        let Self { workpiece, prepared, settings, unseen, stop, .. } = *self;
+        let height = settings.scallop_height.mm();
+        let milled = Milled::new(&prepared.profile, &plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
+        let judged = judged(workpiece, unseen, prepared, maker.heading.along, &milled, height, stop).ok_or(NoPlan::Stopped)?;
+        let finish = FinishFigures::of(unseen, &judged, height);
+        let gouge = Length::computed(finish.gouge.mm().max(plan.finish.gouge.mm()));
+        Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, ..plan })
     }
 
     /// The area in mm^2 of places that the cutter reaches and the path leaves far over the scallop height.

@@ -19,11 +19,11 @@ const HIDDEN: f64 = 1e-3;
 /// About `count` places of the targets that are seen from above: the area is divided into equal parts along a curve that fills the plane, and in each
 /// a random place is drawn. Evenly spaced, the places of a regular grid would lie on a few lines.
 #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
-pub(super) fn drawn(workpiece: &Workpiece, count: usize) -> Vec<Place> {
+pub(super) fn drawn(workpiece: &Workpiece, count: usize, seed: u64) -> Vec<Place> {
     let order = along_curve(workpiece);
     let whole: f64 = workpiece.targets.iter().map(|target| target.area).sum();
     let share = whole / count as f64;
-    let mut random = Random(0);
+    let mut random = Random(seed);
     let mut places = Vec::with_capacity(count);
     let mut passed = 0.0;
     let mut due = random.next() * share;

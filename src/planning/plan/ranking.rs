@@ -241,7 +241,7 @@ pub fn rank(
 ) -> Option<Ranking> {
     let height = settings.scallop_height.mm();
     let rows = rows_of(workpiece);
-    let few = drawn(workpiece, ESTIMATED_ON);
+    let few = drawn(workpiece, ESTIMATED_ON, 0);
     let mut not_ranked = Vec::new();
     let mut estimated: Vec<Estimated> = Vec::new();
     for (index, candidate) in candidates.iter().enumerate() {
@@ -257,7 +257,7 @@ pub fn rank(
     shortest.sort_by(f64::total_cmp);
     let last = shortest.get(MOST_CANDIDATES - 1).copied().unwrap_or(f64::INFINITY);
     let limit = shortest.first().map_or(0.0, |shortest| (FAR_BEHIND * shortest).min(last));
-    let many = drawn(workpiece, JUDGED_ON);
+    let [many, unseen] = [1, 2].map(|seed| drawn(workpiece, JUDGED_ON, seed));
     let milled_points = Cell::new(0);
     let mut plans = Vec::new();
     estimated.sort_by(|a, b| a.shortest().total_cmp(&b.shortest()));
@@ -267,10 +267,18 @@ pub fn rank(
             plans.push(of_candidate.unmilled(workpiece, settings));
             continue;
         }
-        let on = stations(workpiece, &of_candidate.prepared.profile, &many, height, stop);
         let prepared = &of_candidate.prepared;
-        let planner =
-            Planner { workpiece, prepared, settings, stations: &on, feet: OnceCell::new(), milled_points: &milled_points, stop };
+        let [on, unseen] = [&many, &unseen].map(|places| stations(workpiece, &prepared.profile, places, height, stop));
+        let planner = Planner {
+            workpiece,
+            prepared,
+            settings,
+            stations: &on,
+            unseen: &unseen,
+            feet: OnceCell::new(),
+            milled_points: &milled_points,
+            stop,
+        };
         let (mut best, mut times): (Option<MilledPlan>, Vec<(Angle, Option<Time>)>) = (None, Vec::new());
         let mut is_too_long = false;
         for direction in of_candidate.to_mill() {
@@ -316,7 +324,7 @@ pub fn estimated_times(
     settings: &PlanSettings,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Option<Time>>> {
-    let (rows, few) = (rows_of(workpiece), drawn(workpiece, ESTIMATED_ON));
+    let (rows, few) = (rows_of(workpiece), drawn(workpiece, ESTIMATED_ON, 0));
     let mut times = Vec::with_capacity(candidates.len());
     for (index, candidate) in candidates.iter().enumerate() {
         let estimated = estimate(workpiece, index, candidate, settings, &rows, &few, stop);

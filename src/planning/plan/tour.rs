@@ -33,7 +33,7 @@ pub struct TourFigures {
     pub run_length: f64,
     /// The number of links.
     pub links: usize,
-    /// The length of all links, in mm.
+    /// The length of all links, the approach to the first run and the retreat from the last, in mm.
     pub link_length: f64,
     /// The number of links over the clearance height.
     pub lifts: usize,
@@ -53,7 +53,8 @@ pub(super) struct Tour {
 }
 
 impl Tour {
-    /// The path of runs. Short links without steps stay on the surface where that is sooner than over the clearance height.
+    /// The path of runs, from the clearance height and back to it. Short links without steps stay on the surface where that is
+    /// sooner than over the clearance height.
     pub(super) fn of(workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, runs: &[Run], chord_tolerance: f64) -> Self {
         let near = NEAR_IN_RADII * prepared.profile.outer_radius();
         let mut tour = Self::default();
@@ -61,7 +62,31 @@ impl Tour {
             tour.add_link(workpiece, prepared, settings, runs, leg, chord_tolerance);
             tour.add_run(workpiece, prepared, settings, &runs[leg.run], leg.reversed);
         }
+        tour.retract(workpiece, settings);
         tour
+    }
+
+    /// The approach to the first tip, straight down from the clearance height.
+    fn approach(&mut self, workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, to: [f64; 3]) {
+        let (machine, top) = (&settings.machine, clearance(workpiece, settings));
+        let rapid = machine.rapid_rate.mm_s();
+        let near = (to[2] + APPROACH_HEIGHT).min(top);
+        self.points.extend([top, near].map(|height| link_point([to[0], to[1], height], MoveKind::Rapid, rapid)));
+        self.points.push(link_point(to, MoveKind::Link, prepared.link_rate));
+        self.figures.link_length += top - to[2];
+        self.figures.seconds += travel::straight(top - near, rapid, machine) + travel::straight(near - to[2], prepared.link_rate, machine);
+        self.figures.moving_seconds += (top - near) / rapid + (near - to[2]) / prepared.link_rate;
+    }
+
+    /// From the last tip to the clearance height.
+    fn retract(&mut self, workpiece: &Workpiece, settings: &PlanSettings) {
+        let Some([x, y, z]) = self.points.last().map(|point| point.tip) else { return };
+        let (machine, top) = (&settings.machine, clearance(workpiece, settings));
+        let rapid = machine.rapid_rate.mm_s();
+        self.points.push(link_point([x, y, top], MoveKind::Rapid, rapid));
+        self.figures.link_length += top - z;
+        self.figures.seconds += travel::straight(top - z, rapid, machine);
+        self.figures.moving_seconds += (top - z) / rapid;
     }
 
     /// The moves of the path.
@@ -81,11 +106,9 @@ impl Tour {
             };
             length += step;
             seconds += step / rate;
-            // The first tip is where the link ends.
-            let kind = if last.is_none() && self.points.is_empty() { MoveKind::Link } else { MoveKind::Cut };
             match self.points.last_mut() {
                 Some(point) if last.is_none() && travel::distance(point.tip, tip.tip) < 1e-12 => point.of_run = Some(*tip),
-                _ => self.points.push(TourPoint { tip: tip.tip, kind, of_run: Some(*tip), rate }),
+                _ => self.points.push(TourPoint { tip: tip.tip, kind: MoveKind::Cut, of_run: Some(*tip), rate }),
             }
             last = Some(tip);
         }
@@ -108,9 +131,11 @@ impl Tour {
         leg: Leg,
         chord_tolerance: f64,
     ) {
-        let Some(from) = self.points.last().map(|point| point.tip) else { return };
         let to = runs[leg.run].end(leg.reversed);
-        let clearance = workpiece.top + settings.machine.clearance_height.mm();
+        let Some(from) = self.points.last().map(|point| point.tip) else {
+            return self.approach(workpiece, prepared, settings, to);
+        };
+        let clearance = clearance(workpiece, settings);
         let machine = &settings.machine;
         let over = travel::lift(from, to, clearance, prepared.link_rate, machine);
         let is_near = (to[0] - from[0]).hypot(to[1] - from[1]) <= NEAR_IN_RADII * prepared.profile.outer_radius();
@@ -136,6 +161,11 @@ impl Tour {
         self.points.extend(lifted.map(|tip| link_point(tip, MoveKind::Rapid, rapid)));
         self.points.push(link_point(to, MoveKind::Link, prepared.link_rate));
     }
+}
+
+/// The height in mm at which rapid moves cross the part.
+fn clearance(workpiece: &Workpiece, settings: &PlanSettings) -> f64 {
+    workpiece.top + settings.machine.clearance_height.mm()
 }
 
 fn link_point(tip: [f64; 3], kind: MoveKind, rate: f64) -> TourPoint {

@@ -6,7 +6,7 @@ use super::{drive, in_direction, mm, published_cutters, ranked_on, settings, wor
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::motion::{Machine, MachineLimits, travel_time};
 use scallopd::path::MoveKind;
-use scallopd::planning::plan::{CandidateCutter, CandidatePlan, Passes, PlanSettings, Workpiece, passes};
+use scallopd::planning::plan::{CandidateCutter, CandidatePlan, PassPoint, Passes, PlanSettings, Workpiece, passes};
 use scallopd::quantity::{Length, Speed};
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -31,6 +31,9 @@ fn timed(path: &Passes, machine: &Machine) -> f64 {
     };
     let ends = path.run_starts[1..].iter().copied().chain([path.points.len()]);
     let mut seconds = 0.0;
+    for pair in path.points[..=path.run_starts[0]].windows(2) {
+        seconds += time(distance(pair[0].tip, pair[1].tip), pair[1].feed_rate);
+    }
     for (start, end) in path.run_starts.iter().copied().zip(ends) {
         let (mut run, mut at_rate, mut link, mut is_lifted) = (0.0, 0.0, 0.0, false);
         for index in start + 1..end {
@@ -60,6 +63,10 @@ fn timed(path: &Passes, machine: &Machine) -> f64 {
     seconds
 }
 
+fn top(facets: &[Facet]) -> f64 {
+    facets.iter().flatten().map(|point| point[2]).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// A boss on a floor, turned: with lifts, links and runs along its walls.
 fn boss() -> Vec<Facet> {
     let part = steps(&[0.0, 14.0, 24.0, 36.0], &[0.0, 12.0, 22.0, 34.0], &[&[0.0; 3], &[0.0, 5.0, 0.0], &[0.0; 3]]);
@@ -76,7 +83,9 @@ fn the_points_in_their_order_are_the_whole_path_of_the_stated_time_and_length() 
         let settings = PlanSettings { max_uncut_share: 1.0, ..in_direction(Model::Envelope, 20.0) };
         let (plan, path) = planned(&workpiece(facets), candidate, &settings);
         let tour = plan.milled.unwrap().tour;
-        assert_eq!((path.run_starts.len(), path.run_starts[0]), (tour.runs, 0));
+        assert_eq!(path.run_starts.len(), tour.runs);
+        let at_clearance = |point: &PassPoint| (point.tip[2] - (top(facets) + 5.0)).abs() < 1e-9;
+        assert!(at_clearance(&path.points[0]) && at_clearance(path.points.last().unwrap()));
         let length = |is_cut: bool| -> f64 {
             let pairs = path.points.windows(2).filter(|pair| (pair[1].kind == MoveKind::Cut) == is_cut);
             pairs.map(|pair| distance(pair[0].tip, pair[1].tip)).sum()
