@@ -30,6 +30,8 @@ pub(crate) struct MachinedSurface {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum NoMachinedSurface {
     Mesh(MeshError),
+    /// The surface to avoid has no mesh.
+    Avoided(MeshError),
     Selection(SelectionError),
     NothingToMachine,
 }
@@ -40,13 +42,13 @@ impl NoMachinedSurface {
         match self {
             Self::Mesh(MeshError::NoTriangulation { .. } | MeshError::NothingFromAbove | MeshError::OnlyDegenerateFacets { .. })
             | Self::NothingToMachine => true,
-            Self::Mesh(_) | Self::Selection(_) => false,
+            Self::Mesh(_) | Self::Avoided(_) | Self::Selection(_) => false,
         }
     }
 }
 
 impl MachinedSurface {
-    /// Prepares the facets of a surface.
+    /// Prepares the facets of a surface. `avoid` is a second surface, which is never cut.
     ///
     /// Once `stop` returns true, work ends early, and the result must be discarded.
     pub(crate) fn new(
@@ -55,6 +57,7 @@ impl MachinedSurface {
         facing: Facing,
         selection: &Selection,
         max_slope: Angle,
+        avoid: Option<(MeshBuilder, Unit)>,
         stop: Stop,
     ) -> Result<Self, NoMachinedSurface> {
         let go_on = || if stop() { Err(NoMachinedSurface::NothingToMachine) } else { Ok(()) };
@@ -77,7 +80,8 @@ impl MachinedSurface {
         let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
         let view = mesh.seen_from_above_until(MAP_SIDE, stop);
         go_on()?;
-        let workpiece = Workpiece::new(&mesh, &visibility, &selected, None, stop);
+        let avoid = avoid.map(|(avoid, unit)| avoid.finish_until(unit, Facing::Any, stop).map_err(NoMachinedSurface::Avoided)).transpose()?;
+        let workpiece = Workpiece::new(&mesh, &visibility, &selected, avoid.as_ref(), stop);
         Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, hidden_area_share, workpiece, view })
     }
 

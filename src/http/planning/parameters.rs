@@ -4,7 +4,7 @@ use super::library::Libraries;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, members};
 use crate::http::wire::{
-    CandidateKind, LibraryFilter, LibraryFilterKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SelectKind, UNIT,
+    CandidateKind, LibraryFilter, LibraryFilterKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SelectKind, StatedSurface, SurfaceWithSource, UNIT,
 };
 use crate::milling::Model;
 use crate::motion;
@@ -73,6 +73,8 @@ members! {
             "the largest share of the area that a ranked cutter may leave uncut; absent = 0.005"),
         select: optional SELECT: SelectKind = ("select", SelectKind,
             "only facets that meet all stated conditions are machined; the cutter must not gouge the others, which still hide what is below them"),
+        avoid: optional AVOID: StatedSurface = ("avoid", StatedSurface,
+            "a second surface, in the same unit and position: never machined and never cut, such as the walls beside the faces to finish"),
         include: optional INCLUDE: List<Choice<Part>> = ("include",
             List { item: Choice { name: None, words: &[("map", Part::Map), ("passes", Part::Passes)] }, about_item: "a part of the answer", fewest: 0, most: 2 },
             "optional parts of the answer, in method surface: map, a raster for drawing; passes, the recommended plan point by point"),
@@ -96,6 +98,7 @@ pub(super) struct Parameters {
     pub(super) facing: Facing,
     pub(super) max_uncut_share: Option<f64>,
     pub(super) selection: Selection,
+    pub(super) avoid: Option<SurfaceWithSource>,
     pub(super) include: Vec<Part>,
 }
 
@@ -127,6 +130,7 @@ impl Parameters {
             facing: members.facing?.unwrap_or_default(),
             max_uncut_share: members.max_uncut_share?,
             selection: members.select?.unwrap_or_default(),
+            avoid: members.avoid?,
             include: members.include?.unwrap_or_default(),
         })
     }

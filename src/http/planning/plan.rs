@@ -4,7 +4,7 @@ use super::answer::{RankedCandidate, RecommendationAnswer, RecommendedCutter};
 use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::map::MapAnswer;
-use super::parameters::{Method, Parameters, Part};
+use super::parameters::{AVOID, Method, Parameters, Part};
 use super::passes::PassesAnswer;
 use super::shape::SurfaceAnswer;
 use super::simulation::{Simulation, report};
@@ -39,7 +39,7 @@ pub(super) struct Task {
 impl Task {
     /// Determines shape and facets of the surface at `path`. Once `stop` returns true, the task must be discarded.
     pub(super) fn new(
-        parameters: Parameters,
+        mut parameters: Parameters,
         sourced: SurfaceWithSource,
         path: &JsonPath<'_>,
         faults: &mut Faults,
@@ -55,8 +55,11 @@ impl Task {
         let unit_doubt = smallest.filter(|_| is_assumed).and_then(|smallest| UnitDoubt::about(&shape, unit, smallest));
         warnings.extend(unit_doubt.as_ref().map(UnitDoubt::warning));
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
+        let avoid = parameters.avoid.take();
+        let avoid = avoid.map(|avoid| avoid.unit_of(parameters.unit, faults).map(|unit| (avoid.surface.mesh, unit))).transpose()?;
+        let avoids = avoid.is_some();
         let Parameters { facing, ref selection, max_slope, method, .. } = parameters;
-        let machined = match MachinedSurface::new(mesh, unit, facing, selection, max_slope, stop) {
+        let machined = match MachinedSurface::new(mesh, unit, facing, selection, max_slope, avoid, stop) {
             Ok(machined) => Some(machined),
             // Without facets, method `rectangle` has an answer, but with less evidence.
             Err(reason) if method == Method::Rectangle && reason.is_sound() => None,
@@ -69,6 +72,9 @@ impl Task {
             warnings.push(Warning::new(WarningCode::FacetsMerged, detail));
         }
         if method == Method::Rectangle {
+            if avoids {
+                warnings.push(unused(AVOID.name));
+            }
             // The sides of the rectangle do not depend on the cutter.
             let first = parameters.candidates.first().map(|named| on_rectangle(named, &parameters, &shape));
             if let Some(Err(bounds)) = first {
@@ -132,10 +138,8 @@ impl Task {
         if candidates.is_empty() {
             return Err(Problem::no_cutter_fits(not_ranked));
         }
-        let unused = [("include", !self.parameters.include.is_empty()), ("directions_deg", self.parameters.directions.is_some())];
-        self.warnings.extend(unused.into_iter().filter(|(_, is_stated)| *is_stated).map(|(member, _)| {
-            Warning::new(WarningCode::MemberUnused, format!("{member} has no effect in method rectangle; use method \"surface\""))
-        }));
+        let unused_members = [("include", !self.parameters.include.is_empty()), ("directions_deg", self.parameters.directions.is_some())];
+        self.warnings.extend(unused_members.into_iter().filter(|(_, is_stated)| *is_stated).map(|(member, _)| unused(member)));
         let published = self.published();
         let compared = published.as_ref().map(|published| published.plan);
         let confidence = self.confidence_in_rectangle(published, &candidates, machined, stop);
@@ -270,4 +274,9 @@ fn shape_code(error: ShapeError) -> RequestFault {
         ShapeError::Collinear => RequestFault::Collinear,
         ShapeError::CoordinateOutOfRange => RequestFault::OutOfRange,
     }
+}
+
+/// The warning about a member that method `rectangle` does not use.
+fn unused(member: &str) -> Warning {
+    Warning::new(WarningCode::MemberUnused, format!("{member} has no effect in method rectangle; use method \"surface\""))
 }

@@ -1,21 +1,24 @@
 //! The plans of all candidates on a part.
 
-use super::parameters::{Parameters, SELECT};
+use super::parameters::{AVOID, Parameters, SELECT};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::PIECES_NAME;
+use crate::http::wire::{FACETS_NAME, PIECES_NAME};
 use crate::milling::Model;
 use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};
 use crate::planning::plan::{CandidateCutter, PlanSettings, Ranking, rank};
+use crate::surface::mesh::Selection;
 use crate::surface::{MeshError, Shape};
 
 /// Records the fault of the surface at `path`.
 pub(super) fn report(reason: NoMachinedSurface, path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
     match reason {
         NoMachinedSurface::Mesh(error) => faults.add(path, mesh_code(error), error),
+        NoMachinedSurface::Avoided(error) => faults.add(&JsonPath::Root.member(AVOID.name), mesh_code(error), error),
         NoMachinedSurface::Selection(error) => {
             let select = JsonPath::Root.member(SELECT.name);
-            faults.add(&select.member(PIECES_NAME), RequestFault::OutOfRange, error)
+            let member = if Selection::is_about_facets(error) { FACETS_NAME } else { PIECES_NAME };
+            faults.add(&select.member(member), RequestFault::OutOfRange, error)
         }
         NoMachinedSurface::NothingToMachine => {
             let detail = "no facet is selected, seen from above and at most as steep as max_slope_deg";

@@ -3,7 +3,7 @@
 
 use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
-use super::parameters::{ParameterMembers, Parameters};
+use super::parameters::{AVOID, ParameterMembers, Parameters};
 use super::plan::Task;
 use super::recommendation::answer_to;
 use crate::budget::{Held, Job, LONGEST_WAIT_OF_PLAN};
@@ -54,8 +54,11 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
         "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them; if the zip has .fctl lists, only the tools named there are read) or CSV; its ball-end, bull-nose and flat cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
     ));
     let libraries = ArrayBuilder::new().items(library).description(Some("tool libraries, a part for each"));
+    let avoid = binary().description(Some(
+        "a second surface file, in the same unit and position: never machined and never cut; the member avoid of the parameters is the same in JSON",
+    ));
     let form = ObjectSchema::new("A surface file, the parameters and tool libraries, in any order", components);
-    form.required_property(SURFACE.name, file).required_property(PARAMETERS, parameters).property(LIBRARY, libraries).build()
+    form.required_property(SURFACE.name, file).property(AVOID.name, avoid).required_property(PARAMETERS, parameters).property(LIBRARY, libraries).build()
 }
 
 /// The cutter for a surface in a file
@@ -81,6 +84,8 @@ pub(crate) async fn answer(work: Work, State(AppState { metrics, .. }): State<Ap
 struct Received {
     parameters: Option<Vec<u8>>,
     surface: Option<Result<SurfaceWithSource, read::Fault>>,
+    /// The surface that is not cut.
+    avoid: Option<Result<SurfaceWithSource, read::Fault>>,
     libraries: Libraries,
     /// Faults of the form itself.
     faults: Vec<Fault>,
@@ -96,6 +101,9 @@ impl Received {
             match head.name.as_deref() {
                 Some(name) if name == SURFACE.name && received.surface.is_none() => {
                     received.surface = Some(read_file(form, &head, work, metrics).await?);
+                }
+                Some(name) if name == AVOID.name && received.avoid.is_none() => {
+                    received.avoid = Some(read_file(form, &head, work, metrics).await?);
                 }
                 Some(PARAMETERS) if received.parameters.is_none() => {
                     received.parameters = Some(read_small(form, PARAMETERS, LARGEST_PARAMETERS).await?);
@@ -118,8 +126,8 @@ impl Received {
 
     /// The plan on the surface. Cutters in parameters take more than 24 bytes each; libraries may have the most.
     fn job(&self, threads: usize) -> Job {
-        let facets =
-            self.surface.as_ref().and_then(|surface| surface.as_ref().ok()).map_or(0, |sourced| sourced.surface.mesh.size().facets);
+        let files = [&self.surface, &self.avoid].into_iter().flatten().filter_map(|read| read.as_ref().ok());
+        let facets = files.map(|sourced| sourced.surface.mesh.size().facets).sum();
         let stated = self.parameters.as_ref().map_or(0, |parameters| parameters.len() / 24);
         let cutters = if self.libraries.is_empty() { stated.min(MOST_CUTTERS) } else { MOST_CUTTERS };
         Job::Plan { json: 0, facets, cutters, threads }
@@ -128,13 +136,13 @@ impl Received {
     fn refuse_part(&mut self, name: Option<&str>) {
         let root = JsonPath::Root;
         let fault = match name {
-            Some(name) if name == SURFACE.name || name == PARAMETERS => {
+            Some(name) if [SURFACE.name, AVOID.name, PARAMETERS].contains(&name) => {
                 Fault::new(&root.member(name), RequestFault::RepeatedField, "the part is given more than once")
             }
             Some(name) => {
-                Fault::new(&root.member(name), RequestFault::UnknownField, "unknown part; known here: surface, parameters, library")
+                Fault::new(&root.member(name), RequestFault::UnknownField, "unknown part; known here: surface, avoid, parameters, library")
             }
-            None => Fault::new(&root, RequestFault::UnknownField, "a part has no name; known here: surface, parameters, library"),
+            None => Fault::new(&root, RequestFault::UnknownField, "a part has no name; known here: surface, avoid, parameters, library"),
         };
         self.faults.push(fault);
     }
@@ -142,7 +150,7 @@ impl Received {
     fn answer(mut self, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
         let Some(parameters) = self.parameters.take() else {
             let mut faults = Faults::default();
-            let _ = (self.surface(&mut faults), self.libraries.check(&mut faults));
+            let _ = (self.surface(&mut faults), self.avoid(&mut faults), self.libraries.check(&mut faults));
             let path = JsonPath::Root.member(PARAMETERS);
             faults.add(&path, RequestFault::MissingField, "the part is missing: the cutters and the machine, as JSON");
             return Err(Problem::faulty_request(faults));
@@ -152,7 +160,15 @@ impl Received {
             let warnings: Vec<_> = libraries.warnings().collect();
             let parameters = Parameters::read(object, libraries, faults);
             let surface = self.surface(faults);
-            let mut task = Task::new(parameters?, surface?, &JsonPath::Root.member(SURFACE.name), faults, &|| cancelled.is_cancelled())?;
+            let avoid = self.avoid(faults);
+            let mut parameters = parameters?;
+            if let Some(avoid) = avoid?
+                && parameters.avoid.replace(avoid).is_some()
+            {
+                let detail = "avoid is given both as a part and in the parameters";
+                return Err(faults.add(&JsonPath::Root.member(AVOID.name), RequestFault::ConflictingFields, detail));
+            }
+            let mut task = Task::new(parameters, surface?, &JsonPath::Root.member(SURFACE.name), faults, &|| cancelled.is_cancelled())?;
             task.warnings.extend(warnings);
             Ok(task)
         })?;
@@ -172,9 +188,16 @@ impl Received {
             None => Err(faults.add(&path, RequestFault::MissingField, "the part is missing: the file with the surface")),
         }
     }
+
+    /// The surface that is not cut, with the faults of its file recorded.
+    fn avoid(&mut self, faults: &mut Faults) -> Result<Option<SurfaceWithSource>, Faulted> {
+        let path = JsonPath::Root.member(AVOID.name);
+        let read = self.avoid.take().transpose();
+        read.map_err(|fault| faults.add(&path, FileFault::from(fault.kind()), fault))
+    }
 }
 
-/// Reads the part with the surface file on a thread of its own, to which the chunks of the body are passed as they
+/// Reads a part with a surface file on a thread of its own, to which the chunks of the body are passed as they
 /// arrive. The outer error is the form's, the inner one the file's.
 async fn read_file(
     form: &mut Form,

@@ -10,6 +10,8 @@ use utoipa::openapi::{RefOr, Schema};
 
 /// The member of `select` that lists pieces. The fault of an unknown piece points to it.
 pub(crate) const PIECES_NAME: &str = PIECES.name;
+/// The same for facets.
+pub(crate) const FACETS_NAME: &str = FACETS.name;
 
 members! {
     /// The members of a selection.
@@ -21,12 +23,20 @@ members! {
         pieces: optional PIECES: List<Whole> = ("pieces",
             List { item: Whole { minimum: 0, maximum: 4_000_000_000, example: 0 }, about_item: "a piece's number", fewest: 1, most: 1000 },
             "the numbers of connected pieces, from 0 in the order of their first facets"),
+        facets: optional FACETS: List<List<Whole>> = ("facets",
+            List {
+                item: List { item: Whole { minimum: 0, maximum: 4_000_000_000, example: 0 }, about_item: "a facet's number", fewest: 2, most: 2 },
+                about_item: "the first and the last facet of a range",
+                fewest: 1,
+                most: 10_000,
+            },
+            "ranges of facets, numbered from 0 in the order of the file or the mesh; a polygon is as many facets as triangles"),
     }
 }
 
 impl SelectionMembers {
     fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Selection, Faulted> {
-        let SelectionMembers { slopes, bounds, pieces } = self;
+        let SelectionMembers { slopes, bounds, pieces, facets } = self;
         let (mut selection, mut refused) = (Selection::all(), Ok(()));
         // Each condition is checked, even if another has a fault.
         let mut narrow =
@@ -42,6 +52,9 @@ impl SelectionMembers {
         narrow(BOX.name, bounds.map(|bounds| bounds.map(|[min, max]| so_far.with_box(min, max))), &mut selection);
         let so_far = selection.clone();
         narrow(PIECES.name, pieces.map(|pieces| pieces.map(|pieces| so_far.with_pieces(pieces))), &mut selection);
+        let so_far = selection.clone();
+        let pairs = |ranges: Vec<Vec<u32>>| ranges.iter().map(|range| [range[0], range[1]]).collect();
+        narrow(FACETS.name, facets.map(|facets| facets.map(|ranges| so_far.with_facets(pairs(ranges)))), &mut selection);
         refused.map(|()| selection)
     }
 }

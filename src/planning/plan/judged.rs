@@ -129,7 +129,8 @@ const MOST_WIDENED: f64 = 1.35;
 
 /// Changes the spacings that lines may have so that the height left between them becomes the scallop height: the height
 /// grows with the square of the spacing. Stations that no line can reach in their strip do not count. Of n random places across
-/// a parabolic ridge the highest is at (n/(n+1))^2 of its height, which is made up for.
+/// a parabolic ridge the highest is at (n/(n+1))^2 of its height, which is made up for. `margin` multiplies all
+/// spacings.
 pub(super) fn respace(
     allowed: &mut Allowed,
     lines: &[f64],
@@ -137,6 +138,7 @@ pub(super) fn respace(
     stations: &[Station],
     judged: &[Judged],
     height: f64,
+    margin: f64,
 ) {
     if lines.len() < 2 {
         return;
@@ -161,7 +163,7 @@ pub(super) fn respace(
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);
             #[expect(clippy::cast_precision_loss, reason = "thousands")]
             let missed = 1.0 + 1.0 / heights.len().max(1) as f64;
-            let factor = |highest: &f64| ((height / highest.max(1e-3 * height)).sqrt() / missed).clamp(MOST_NARROWED, MOST_WIDENED);
+            let factor = |highest: &f64| (margin * (height / highest.max(1e-3 * height)).sqrt() / missed).clamp(MOST_NARROWED, MOST_WIDENED);
             heights.get(place).map_or(1.0, factor)
         })
         .collect();
@@ -170,6 +172,6 @@ pub(super) fn respace(
         let around = [strip.saturating_sub(1), strip, (strip + 1).min(factors.len() - 1)];
         let least = around.into_iter().map(|strip| factors[strip]).fold(f64::INFINITY, f64::min);
         let factor = if factors[strip] < 1.0 { factors[strip] } else { least.max(1.0) };
-        allowed.scale(pair[0], pair[1], 0.995 * factor);
+        allowed.scale(pair[0], pair[1], factor);
     }
 }

@@ -16,7 +16,7 @@ pub(super) struct Station {
 }
 
 /// The most steps away from what blocks a flat cutter beside a place.
-const MOST_STEPS: usize = 6;
+const MOST_STEPS: usize = 16;
 
 /// The stations of places for a cutter; `tolerance` is the lift in mm that does not count. Once `stop` returns true, the
 /// result must be discarded.

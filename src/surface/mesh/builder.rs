@@ -4,6 +4,7 @@ use super::left_out::LeftOut;
 use super::merge::HeightLattice;
 use super::thinning::PointCloud;
 use super::weld::Welder;
+use super::selection::FileOrder;
 use super::{Mesh, MeshError, twice_area};
 use crate::cancellation::CancelFlag;
 use crate::surface::{Bounds, Facing, Sink, Unit, triangulation};
@@ -32,6 +33,10 @@ pub struct MeshBuilder {
     lattice: Option<HeightLattice>,
     cloud: PointCloud,
     facets: u64,
+    /// The facets received, those left out included.
+    received: u32,
+    /// The number of each stored facet in the order received, once they differ from its place.
+    numbers: Option<Vec<u32>>,
     left_out: LeftOut,
     duplicates: u64,
     bounds: Bounds,
@@ -78,6 +83,8 @@ impl MeshBuilder {
             lattice: None,
             cloud: PointCloud::new(limit / 2),
             facets: 0,
+            received: 0,
+            numbers: None,
             left_out: LeftOut::default(),
             duplicates: 0,
             bounds: Bounds::NONE,
@@ -115,11 +122,15 @@ impl MeshBuilder {
             }
             each(corners);
         }
-        let mut number = 0;
-        self.triangles.retain(|_| {
-            number += 1;
-            duplicates.binary_search(&(number - 1)).is_err()
-        });
+        let mut numbers = self.numbers.take().unwrap_or_else(|| (0..).take(self.triangles.len()).collect());
+        let (mut place, mut place_of_number) = (0, 0);
+        let is_kept = |place: &mut u32| {
+            *place += 1;
+            duplicates.binary_search(&(*place - 1)).is_err()
+        };
+        self.triangles.retain(|_| is_kept(&mut place));
+        numbers.retain(|_| is_kept(&mut place_of_number));
+        self.numbers = Some(numbers);
         self.duplicates += duplicates.len() as u64;
     }
 
@@ -215,7 +226,8 @@ impl MeshBuilder {
             // No facet covers a node: all are smaller than the spacing, or walls.
             return Err(MeshError::NothingFromAbove);
         }
-        Ok(Mesh::assembled(points, triangles, self.left_out.degenerate, merged, from_points))
+        let order = (merged.is_none() && !from_points).then_some(FileOrder { received: self.received, numbers: self.numbers });
+        Ok(Mesh::assembled(points, triangles, self.left_out.degenerate, merged, order))
     }
 
     /// Adds a facet with an area and coordinates in range.
@@ -234,11 +246,15 @@ impl MeshBuilder {
         } else {
             let triangle = corners.map(|corner| self.welder.index(corner));
             self.triangles.push(triangle);
+            if let Some(numbers) = &mut self.numbers {
+                numbers.push(self.received);
+            }
         }
     }
 
     fn merge(&mut self) -> &mut HeightLattice {
         let (welder, triangles) = (std::mem::take(&mut self.welder), std::mem::take(&mut self.triangles));
+        self.numbers = None;
         let bounds = self.bounds;
         let (limit, cancel) = (self.limit, &self.cancel);
         self.lattice.get_or_insert_with(|| {
@@ -262,7 +278,10 @@ impl Sink for MeshBuilder {
     fn facet(&mut self, corners: [[f64; 3]; 3]) {
         if self.left_out.accepts_facet(corners) {
             self.add(corners);
+        } else if self.numbers.is_none() && self.lattice.is_none() {
+            self.numbers = Some((0..self.received).collect());
         }
+        self.received = self.received.saturating_add(1);
     }
 
     fn turn_over(&mut self) {

@@ -26,6 +26,7 @@ pub use builder::{MeshBuilder, MeshSize};
 pub use curvature::CREASE_ANGLE_DEG;
 pub use finish_facet::FinishFacet;
 pub use pieces::{Closure, Pieces};
+use selection::FileOrder;
 pub use selection::{Selection, SelectionError};
 pub use view::{NO_FACET, ViewFromAbove};
 pub use visibility::{AreaShares, FacetClass, Visibility};
@@ -51,7 +52,8 @@ pub struct Mesh {
     bounds: Bounds,
     degenerate: u64,
     merged_cell: Option<f64>,
-    from_points: bool,
+    /// The order of the facets in the file; `None` for facets that were made here, from points or on a lattice.
+    order: Option<FileOrder>,
 }
 
 /// The reason why facets or points do not make a mesh.
@@ -134,10 +136,10 @@ impl MeshBuilder {
 }
 
 impl Mesh {
-    fn assembled(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>, degenerate: u64, merged_cell: Option<f64>, from_points: bool) -> Self {
+    fn assembled(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>, degenerate: u64, merged_cell: Option<f64>, order: Option<FileOrder>) -> Self {
         let mut bounds = Bounds::NONE;
         triangles.iter().flatten().for_each(|&index| bounds.include(points[index as usize]));
-        Self { points, triangles, bounds, degenerate, merged_cell, from_points }
+        Self { points, triangles, bounds, degenerate, merged_cell, order }
     }
 
     /// The number of triangles and points.
@@ -180,7 +182,7 @@ impl Mesh {
     /// Whether the triangles are a triangulation of single points.
     #[must_use]
     pub fn from_points(&self) -> bool {
-        self.from_points
+        self.order.is_none() && self.merged_cell.is_none()
     }
 
     /// The corners of a triangle.

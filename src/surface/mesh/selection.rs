@@ -13,6 +13,16 @@ pub struct Selection {
     slope: Option<(Angle, Angle)>,
     bounds: Option<Bounds>,
     pieces: Option<Vec<u32>>,
+    facets: Option<Vec<[u32; 2]>>,
+}
+
+/// The order in which the facets of a mesh were received.
+#[derive(Debug, Clone)]
+pub(super) struct FileOrder {
+    /// The facets received, those that the mesh left out included.
+    pub(super) received: u32,
+    /// The number of each facet of the mesh in that order; `None` if it is the facet's place.
+    pub(super) numbers: Option<Vec<u32>>,
 }
 
 /// The reason why a selection is invalid.
@@ -24,6 +34,17 @@ pub enum SelectionError {
     Box,
     /// The list of pieces is empty.
     NoPieces,
+    /// A range of facets begins after its end.
+    FacetRange,
+    /// The facets were made from points, or merged because they are too many, and have no order in a file.
+    NoFacetOrder,
+    /// The surface has no facet of that number.
+    UnknownFacet {
+        /// The number.
+        facet: u32,
+        /// The number of facets, which are numbered from 0.
+        count: u32,
+    },
     /// The surface has no piece of that number.
     UnknownPiece {
         /// The number.
@@ -39,6 +60,11 @@ impl fmt::Display for SelectionError {
             Self::SlopeBand => f.write_str("the slope band must go from a smaller to a larger angle within 0 to 90 deg"),
             Self::Box => f.write_str("the box must have finite coordinates, its smallest at most its largest"),
             Self::NoPieces => f.write_str("at least one piece must be listed"),
+            Self::FacetRange => f.write_str("a range of facets goes from its first to its last, not back"),
+            Self::NoFacetOrder => {
+                f.write_str("the facets were made from points, or merged because they are too many, and have no order in the file")
+            }
+            Self::UnknownFacet { facet, count } => write!(f, "there is no facet {facet}; the surface has {count}, counted from 0"),
             Self::UnknownPiece { piece, count } => write!(f, "there is no piece {piece}; the surface has {count}, counted from 0"),
         }
     }
@@ -80,12 +106,44 @@ impl Selection {
     }
 }
 
-impl Mesh {
-    /// Whether each facet meets the conditions of a selection, by its own slope (whichever side is up), centroid and
-    /// piece.
+impl Selection {
+    /// Only facets in these ranges, each from its first to its last number in the order of the file, from 0. Facets that
+    /// the mesh leaves out count.
     ///
     /// # Errors
-    /// [`SelectionError::UnknownPiece`] for a number that is not a piece's.
+    /// [`SelectionError::FacetRange`] for a range that begins after its end.
+    pub fn with_facets(self, ranges: Vec<[u32; 2]>) -> Result<Self, SelectionError> {
+        let in_order = ranges.iter().all(|[first, last]| first <= last);
+        if in_order { Ok(Self { facets: Some(ranges), ..self }) } else { Err(SelectionError::FacetRange) }
+    }
+
+    /// Whether a fault is about facets' numbers.
+    #[must_use]
+    pub fn is_about_facets(error: SelectionError) -> bool {
+        matches!(error, SelectionError::NoFacetOrder | SelectionError::UnknownFacet { .. } | SelectionError::FacetRange)
+    }
+}
+
+impl Mesh {
+    /// Whether each facet is in one of the ranges of numbers in the order of the file.
+    fn in_ranges(&self, ranges: &[[u32; 2]]) -> Result<Vec<bool>, SelectionError> {
+        let order = self.order.as_ref().ok_or(SelectionError::NoFacetOrder)?;
+        let mut listed = vec![false; order.received as usize];
+        for [first, last] in ranges {
+            let unknown = SelectionError::UnknownFacet { facet: *last, count: order.received };
+            listed.get_mut(*first as usize..=*last as usize).ok_or(unknown)?.fill(true);
+        }
+        Ok(match &order.numbers {
+            None => listed,
+            Some(numbers) => numbers.iter().map(|number| listed[*number as usize]).collect(),
+        })
+    }
+
+    /// Whether each facet meets the conditions of a selection, by its own slope (whichever side is up), centroid, piece and
+    /// number.
+    ///
+    /// # Errors
+    /// [`SelectionError::UnknownPiece`] for a number that is not a piece's, and the same for facets.
     pub fn selected(&self, selection: &Selection, pieces: &Pieces) -> Result<Vec<bool>, SelectionError> {
         let listed = match &selection.pieces {
             None => None,
@@ -98,6 +156,8 @@ impl Mesh {
                 Some(listed)
             }
         };
+        let in_ranges = selection.facets.as_deref().map(|ranges| self.in_ranges(ranges)).transpose()?;
+        let is_listed = |facet: usize| in_ranges.as_ref().is_none_or(|listed| listed[facet]);
         let in_band = |facet: usize| {
             selection.slope.is_none_or(|(smallest, largest)| {
                 let ([x, y, z], _) = self.normal_and_area(facet);
@@ -112,7 +172,7 @@ impl Mesh {
             })
         };
         let in_pieces = |facet: usize| listed.as_ref().is_none_or(|listed| listed[pieces.of_facets()[facet] as usize]);
-        Ok((0..self.triangles().len()).map(|facet| in_pieces(facet) && in_box(facet) && in_band(facet)).collect())
+        Ok((0..self.triangles().len()).map(|facet| is_listed(facet) && in_pieces(facet) && in_box(facet) && in_band(facet)).collect())
     }
 
     /// The facets to plan for: visible from above, selected and not vertical, in the order of the mesh. Facets steeper
