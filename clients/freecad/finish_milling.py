@@ -118,10 +118,24 @@ def mesh_of(faces, deviation_mm):
 # Recommendation
 
 
-def recommend(client, faces, cutters, scallop_height_mm, machine, **parameters):
-    """The cutters ranked for the faces, with the passes of the fastest."""
+def faces_beside(faces, shapes):
+    """The other faces of the shapes that the faces belong to: the cutter must not cut them."""
+    whole = [shape.Faces for shape in shapes if any(own.isSame(face) for own in shape.Faces for face in faces)]
+    return [own for of_shape in whole for own in of_shape if not any(own.isSame(face) for face in faces)]
+
+
+def visible_shapes():
+    """The shapes of the active document that are shown, those of hidden features left out."""
+    features = FreeCAD.ActiveDocument.Objects if FreeCAD.ActiveDocument else []
+    return [feature.Shape for feature in features if hasattr(feature, "Shape") and getattr(feature, "Visibility", True)]
+
+
+def recommend(client, faces, cutters, scallop_height_mm, machine, beside=(), **parameters):
+    """The cutters ranked for the faces, with the passes of the fastest. The faces `beside` them are not cut."""
     # A deviation of a quarter of the scallop height keeps the mesh's error small beside the results.
     surface = {"mesh": mesh_of(faces, scallop_height_mm / 4)}
+    if beside:
+        parameters["avoid"] = {"mesh": mesh_of(beside, scallop_height_mm / 4)}
     return client.recommend(surface, cutters, scallop_height_mm, machine, include=PASSES, **parameters)
 
 

@@ -115,6 +115,90 @@ async fn a_selection_is_machined_alone() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn facets_are_selected_by_their_numbers_in_the_order_of_the_file() {
+    let app = TestApp::start().await;
+    let points = json!([[0, 0, 0], [20, 0, 0], [20, 20, 0], [0, 20, 0], [40, 0, 5], [40, 20, 5]]);
+    // The second triangle has no area, the fourth is the first once more: both count.
+    let triangles = json!([[0, 1, 2], [0, 1, 1], [0, 2, 3], [0, 1, 2], [1, 4, 5], [1, 5, 2]]);
+    let mesh = json!({"surface": {"mesh": {"points": points, "triangles": triangles}}, "directions_deg": [0]});
+    let area = async |select: Value| {
+        let answer =
+            app.recommend(&with(with(job(), json!({"method": "surface", "include": ["passes"]})), with(mesh.clone(), select))).await;
+        let answer = answer.ok();
+        let contacts = answer["passes"]["contact_mm"].as_array().unwrap().clone();
+        contacts
+            .iter()
+            .filter(|contact| !contact.is_null())
+            .map(|contact| contact[0].as_f64().unwrap())
+            .fold([99.0_f64, -99.0], |[least, most], x| [least.min(x), most.max(x)])
+    };
+    let [least, most] = area(json!({"select": {"facets": [[4, 4], [5, 5]]}})).await;
+    assert!(least > 19.0 && most > 39.0, "{least} to {most}");
+    let [least, most] = area(json!({"select": {"facets": [[0, 2]]}})).await;
+    assert!(least < 1.0 && most < 20.1, "{least} to {most}");
+    for (ranges, pointer) in [(json!([[4, 6]]), "/select/facets"), (json!([[3, 2]]), "/select/facets"), (json!([[3]]), "/select/facets/0")]
+    {
+        let select = json!({"select": {"facets": ranges}});
+        let refused = app.recommend(&with(with(simulated(), mesh.clone()), select)).await;
+        let (status, faults) = refused.faults();
+        assert_eq!((status, faults.len(), faults[0].0), (422, 1, pointer), "{faults:?}");
+    }
+    let of_points = json!({"surface": {"points": [[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 0]]}, "select": {"facets": [[0, 0]]}});
+    assert_eq!(app.recommend(&with(simulated(), of_points)).await.faults(), (422, vec![("/select/facets", "out-of-range")]));
+}
+
+/// A plate, and a wall on one of its sides, which is sent apart.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_surface_to_avoid_is_neither_machined_nor_cut() {
+    let app = TestApp::start().await;
+    let box_of = |low: [f64; 3], high: [f64; 3]| {
+        let points: Vec<_> =
+            (0..8_usize).map(|corner| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] })).collect();
+        let triangles =
+            json!([[4, 5, 7], [4, 7, 6], [0, 4, 6], [0, 6, 2], [1, 3, 7], [1, 7, 5], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3]]);
+        json!({"mesh": {"points": points, "triangles": triangles}})
+    };
+    let cutters = json!({"cutters": [{"type": "ball_end", "diameter_mm": 6}], "max_uncut_share": 1, "include": ["passes"]});
+    let request = with(with(simulated(), json!({"surface": box_of([0.0; 3], [20.0, 20.0, 2.0])})), cutters);
+    let wall = box_of([20.0, 0.0, 0.0], [25.0, 20.0, 12.0]);
+    let free = app.recommend(&request).await.ok();
+    let avoiding = app.recommend(&with(request.clone(), json!({"avoid": wall}))).await.ok();
+    let farthest = |answer: &Value| {
+        let passes = &answer["passes"];
+        let low = passes["tip_mm"].as_array().unwrap().iter().filter(|tip| tip[2].as_f64().unwrap() < 11.9);
+        low.map(|tip| tip[0].as_f64().unwrap()).fold(0.0, f64::max)
+    };
+    assert!(farthest(&free) > 19.5, "{}", farthest(&free));
+    // The ball's centre stays its radius away from the wall.
+    assert!(farthest(&avoiding) <= 17.0 + 1e-3, "{}", farthest(&avoiding));
+    assert!(figure(&avoiding, "/candidates/0/gouge_mm") < 1e-3);
+    assert!(figure(&avoiding, "/candidates/0/uncut_share") > 0.05);
+    assert_eq!(avoiding["surface"]["area_mm2"], free["surface"]["area_mm2"]);
+    // As a part of a form.
+    let corners = |mesh: &Value| -> Vec<[[f32; 3]; 3]> {
+        #[expect(clippy::cast_possible_truncation, reason = "exact")]
+        let point = |index: &Value| {
+            let point = &mesh["mesh"]["points"][usize::try_from(index.as_u64().unwrap()).unwrap()];
+            [0, 1, 2].map(|axis| point[axis].as_f64().unwrap() as f32)
+        };
+        mesh["mesh"]["triangles"].as_array().unwrap().iter().map(|t| [0, 1, 2].map(|corner| point(&t[corner]))).collect()
+    };
+    let (plate, wall_file) = (binary_stl("plate", &corners(&request["surface"])), binary_stl("wall", &corners(&wall)));
+    let mut parameters = request.clone();
+    parameters.as_object_mut().unwrap().remove("surface");
+    parameters["unit"] = json!("mm");
+    let parts = |parameters: &Value| {
+        [("surface", plate.clone()), ("avoid", wall_file.clone()), ("parameters", parameters.to_string().into_bytes())]
+    };
+    let uploaded = app.upload_parts(parts(&parameters)).await.ok();
+    assert_relative_eq!(farthest(&uploaded), farthest(&avoiding), max_relative = 1e-6);
+    parameters["avoid"] = wall;
+    assert_eq!(app.upload_parts(parts(&parameters)).await.faults(), (422, vec![("/avoid", "conflicting-fields")]));
+    let by_rectangle = with(request, json!({"method": "rectangle", "avoid": box_of([20.0, 0.0, 0.0], [25.0, 20.0, 12.0]), "include": []}));
+    let _ = app.recommend(&by_rectangle).await;
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn if_no_cutter_fits_each_has_its_reason() {
     let app = TestApp::start().await;
     // A groove of 4 mm, 5 mm deep, which a ball of 20 mm does not fit into.

@@ -227,7 +227,8 @@ impl MeshBuilder {
             return Err(MeshError::NothingFromAbove);
         }
         let order = (merged.is_none() && !from_points).then_some(FileOrder { received: self.received, numbers: self.numbers });
-        Ok(Mesh::assembled(points, triangles, self.left_out.degenerate, merged, order))
+        let mesh = Mesh::assembled(points, triangles, self.left_out.degenerate, merged, from_points);
+        Ok(Mesh { order, ..mesh })
     }
 
     /// Adds a facet with an area and coordinates in range.

@@ -52,6 +52,7 @@ pub struct Mesh {
     bounds: Bounds,
     degenerate: u64,
     merged_cell: Option<f64>,
+    from_points: bool,
     /// The order of the facets in the file; `None` for facets that were made here, from points or on a lattice.
     order: Option<FileOrder>,
 }
@@ -136,10 +137,10 @@ impl MeshBuilder {
 }
 
 impl Mesh {
-    fn assembled(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>, degenerate: u64, merged_cell: Option<f64>, order: Option<FileOrder>) -> Self {
+    fn assembled(points: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>, degenerate: u64, merged_cell: Option<f64>, from_points: bool) -> Self {
         let mut bounds = Bounds::NONE;
         triangles.iter().flatten().for_each(|&index| bounds.include(points[index as usize]));
-        Self { points, triangles, bounds, degenerate, merged_cell, order }
+        Self { points, triangles, bounds, degenerate, merged_cell, from_points, order: None }
     }
 
     /// The number of triangles and points.
@@ -182,7 +183,7 @@ impl Mesh {
     /// Whether the triangles are a triangulation of single points.
     #[must_use]
     pub fn from_points(&self) -> bool {
-        self.order.is_none() && self.merged_cell.is_none()
+        self.from_points
     }
 
     /// The corners of a triangle.

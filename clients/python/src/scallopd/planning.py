@@ -104,6 +104,7 @@ class Selection(TypedDict, total=False):
     slope_deg: Sequence[float]
     box_mm: Mapping[str, Vector]
     pieces: Sequence[int]
+    facets: Sequence[Sequence[int]]
 
 
 class LibraryFilter(TypedDict, total=False):
@@ -127,6 +128,7 @@ class RecommendationParameters(TypedDict, total=False):
     facing: str
     max_uncut_share: float
     select: Selection
+    avoid: Surface
     include: Sequence[Literal["map", "passes"]]
 
 
