@@ -80,7 +80,8 @@ impl MachinedSurface {
         let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
         let view = mesh.seen_from_above_until(MAP_SIDE, stop);
         go_on()?;
-        let avoid = avoid.map(|(avoid, unit)| avoid.finish_until(unit, Facing::Any, stop).map_err(NoMachinedSurface::Avoided)).transpose()?;
+        let avoid =
+            avoid.map(|(avoid, unit)| avoid.finish_until(unit, Facing::Any, stop).map_err(NoMachinedSurface::Avoided)).transpose()?;
         let workpiece = Workpiece::new(&mesh, &visibility, &selected, avoid.as_ref(), stop);
         Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, hidden_area_share, workpiece, view })
     }

@@ -122,8 +122,12 @@ async fn facets_are_selected_by_their_numbers_in_the_order_of_the_file() {
     let triangles = json!([[0, 1, 2], [0, 1, 1], [0, 2, 3], [0, 1, 2], [1, 4, 5], [1, 5, 2]]);
     let mesh = json!({"surface": {"mesh": {"points": points, "triangles": triangles}}, "directions_deg": [0]});
     let area = async |select: Value| {
-        let answer =
-            app.recommend(&with(with(job(), json!({"method": "surface", "include": ["passes"]})), with(mesh.clone(), select))).await;
+        let answer = app
+            .recommend(&with(
+                with(job(), json!({"method": "surface", "include": ["passes"], "max_uncut_share": 1})),
+                with(mesh.clone(), select),
+            ))
+            .await;
         let answer = answer.ok();
         let contacts = answer["passes"]["contact_mm"].as_array().unwrap().clone();
         contacts

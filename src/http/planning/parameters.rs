@@ -4,7 +4,8 @@ use super::library::Libraries;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, members};
 use crate::http::wire::{
-    CandidateKind, LibraryFilter, LibraryFilterKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SelectKind, StatedSurface, SurfaceWithSource, UNIT,
+    CandidateKind, LibraryFilter, LibraryFilterKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SelectKind, StatedSurface,
+    SurfaceWithSource, UNIT,
 };
 use crate::milling::Model;
 use crate::motion;

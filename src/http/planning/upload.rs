@@ -58,7 +58,11 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
         "a second surface file, in the same unit and position: never machined and never cut; the member avoid of the parameters is the same in JSON",
     ));
     let form = ObjectSchema::new("A surface file, the parameters and tool libraries, in any order", components);
-    form.required_property(SURFACE.name, file).property(AVOID.name, avoid).required_property(PARAMETERS, parameters).property(LIBRARY, libraries).build()
+    form.required_property(SURFACE.name, file)
+        .property(AVOID.name, avoid)
+        .required_property(PARAMETERS, parameters)
+        .property(LIBRARY, libraries)
+        .build()
 }
 
 /// The cutter for a surface in a file

@@ -163,7 +163,8 @@ pub(super) fn respace(
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);
             #[expect(clippy::cast_precision_loss, reason = "thousands")]
             let missed = 1.0 + 1.0 / heights.len().max(1) as f64;
-            let factor = |highest: &f64| (margin * (height / highest.max(1e-3 * height)).sqrt() / missed).clamp(MOST_NARROWED, MOST_WIDENED);
+            let factor =
+                |highest: &f64| (margin * (height / highest.max(1e-3 * height)).sqrt() / missed).clamp(MOST_NARROWED, MOST_WIDENED);
             heights.get(place).map_or(1.0, factor)
         })
         .collect();

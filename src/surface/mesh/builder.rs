@@ -2,9 +2,9 @@
 
 use super::left_out::LeftOut;
 use super::merge::HeightLattice;
+use super::selection::FileOrder;
 use super::thinning::PointCloud;
 use super::weld::Welder;
-use super::selection::FileOrder;
 use super::{Mesh, MeshError, twice_area};
 use crate::cancellation::CancelFlag;
 use crate::surface::{Bounds, Facing, Sink, Unit, triangulation};
