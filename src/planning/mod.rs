@@ -1,7 +1,7 @@
 //! Planning: the choice of the cutter that finishes a surface soonest. Heights and step-overs come from `milling`,
 //! times from `motion`, shapes and facets from `surface`.
 //!
-//! There are two methods. [`rectangle`], the published one, replaces the surface by an inclined rectangle. [`plan`] plans
+//! There are two methods. [`rectangle`], the published one, replaces the surface by an inclined rectangle. [`mod@plan`] plans
 //! the tips of the cutter on the part itself, and mills them.
 
 mod confidence;
