@@ -516,7 +516,9 @@ class AgainstTheProgram(unittest.TestCase):
                     found += milling.contact_of(faces, tip, cutter, 0.01) is not None
                 self.assertGreater(found, 180)
                 path = milling.path_of(recommendation, cutter["spindle_speed_rpm"])
-                self.assertEqual(sum(command.Name == "G1" for command in path.Commands), len(passes["move"]) - passes["move"].count("rapid"))
+                self.assertEqual(
+                    sum(command.Name == "G1" for command in path.Commands), len(passes["move"]) - passes["move"].count("rapid")
+                )
 
     def test_the_curvature_of_the_passes_is_the_kernels(self):
         faces = free_form()
