@@ -60,6 +60,17 @@ pub enum Job {
         /// The threads that compute it.
         threads: usize,
     },
+    /// The check of a path on a surface.
+    PathCheck {
+        /// The bytes of JSON that are still to be read.
+        json: usize,
+        /// The number of facets, or what is known of it.
+        facets: usize,
+        /// The number of points of the path, or what is known of it.
+        points: usize,
+        /// The threads that compute it.
+        threads: usize,
+    },
 }
 
 impl Job {
@@ -71,6 +82,7 @@ impl Job {
     /// | upload | its length up to 56 MiB for facets, and twice its length up to 128 MiB for vertices |
     /// | batch | 1 MiB, and 400 for each contact, half of it the answer |
     /// | recommendation | 4 MiB, 3 MiB a thread, 64 KiB a cutter, 800 for each facet, and 3 for each byte of JSON |
+    /// | check of a path | 20 MiB, 3 MiB a thread, 800 for each facet, 400 for each point, and 3 for each byte of JSON |
     #[must_use]
     pub fn bytes(self) -> u64 {
         let saturating = |count: usize, each: u64| (count as u64).saturating_mul(each);
@@ -78,6 +90,9 @@ impl Job {
             Self::Body { bytes } => bytes,
             Self::Upload { bytes } => bytes.min(56 * MIB) + bytes.saturating_mul(2).min(128 * MIB),
             Self::Batch { contacts } => MIB + saturating(contacts, 400),
+            Self::PathCheck { json, facets, points, threads } => [(threads, 3 * MIB), (facets, 800), (points, 400), (json, 3)]
+                .into_iter()
+                .fold(20 * MIB, |sum, (count, each)| sum.saturating_add(saturating(count, each))),
             Self::Plan { json, facets, cutters, threads } => [(threads, 3 * MIB), (cutters, 64 * 1024), (facets, 800), (json, 3)]
                 .into_iter()
                 .fold(4 * MIB, |sum, (count, each)| sum.saturating_add(saturating(count, each))),
@@ -161,7 +176,7 @@ impl Budget {
             Job::Batch { .. } => (&[work][..], job.bytes()),
             // First its turn among recommendations, so that it does not wait before batches in the queue for work. No
             // recommendation takes more than their part.
-            Job::Plan { .. } => (&[plans, work][..], job.bytes().min(u64::from(plans.size) * MIB)),
+            Job::Plan { .. } | Job::PathCheck { .. } => (&[plans, work][..], job.bytes().min(u64::from(plans.size) * MIB)),
         };
         let mut held = Held { shares: Vec::with_capacity(pools.len()), budget: self.clone() };
         for pool in pools {

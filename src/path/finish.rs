@@ -27,6 +27,10 @@ const AT_ONCE: usize = 256;
 pub struct Finish {
     /// For each place what the cuts and links leave; `None` where none of them comes over it.
     pub left: Vec<Option<Left>>,
+    /// For each place how deep the rapids cut it.
+    pub collisions: Vec<Option<Left>>,
+    /// The level, below 0, under which a cut counts as a gouge.
+    pub gouge_level: f64,
     /// For each place whether it is left over the tolerance.
     pub over: Vec<bool>,
     /// For each place left over the tolerance, whether the cutter could have reached it; false elsewhere.
@@ -156,6 +160,8 @@ impl Finish {
             collision,
             worst,
             over_reachable,
+            collisions,
+            gouge_level,
             over,
             left,
         })

@@ -3,6 +3,7 @@
 
 mod body;
 mod bottom;
+mod check;
 mod climbing;
 mod contour;
 mod drop_cutter;
@@ -19,6 +20,7 @@ mod standing;
 mod tests;
 mod tip_line;
 
+pub use check::{Finding, FindingKind, PathLengths, findings};
 pub use climbing::Spot;
 pub use contour::{Area, Contour, borders, waterlines};
 pub use drop_cutter::{DropCutter, Feature, Touch};

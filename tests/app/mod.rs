@@ -147,8 +147,12 @@ impl TestApp {
     }
 
     pub(crate) async fn upload_parts(&self, parts: impl IntoIterator<Item = (&'static str, Vec<u8>)>) -> Answer {
+        self.post_parts("/v1/cutter-recommendation/upload", parts).await
+    }
+
+    pub(crate) async fn post_parts(&self, path: &str, parts: impl IntoIterator<Item = (&'static str, Vec<u8>)>) -> Answer {
         let form = parts.into_iter().fold(Form::new(), |form, (name, data)| form.part(name, Part::bytes(data)));
-        self.upload_form(form).await
+        Answer::of(self.client.post(self.url(path)).multipart(form).send().await.unwrap()).await
     }
 
     pub(crate) async fn upload_form(&self, form: Form) -> Answer {

@@ -6,6 +6,7 @@ mod faults;
 mod formats;
 mod heights;
 mod libraries;
+mod path_check;
 mod plan;
 mod published;
 mod recommendation;

@@ -14,7 +14,12 @@ import scallopd
 from scallopd import calculations, objects, planning
 from servers import ServiceCase
 
-OTHER_NAMES = {"cutter_recommendation": "recommend", "cutter_recommendation_upload": "recommend_file"}
+OTHER_NAMES = {
+    "cutter_recommendation": "recommend",
+    "cutter_recommendation_upload": "recommend_file",
+    "path_check": "check_path",
+    "path_check_upload": "check_path_file",
+}
 """The methods that do not have their operation's name."""
 
 

@@ -5,6 +5,7 @@ use super::confidence::ConfidenceAnswer;
 use super::map::MapAnswer;
 use super::parameters::Method;
 use super::passes::PassesAnswer;
+use super::program::ProgramAnswer;
 use super::shape::SurfaceAnswer;
 use crate::http::codes::same_names;
 use crate::http::wire::{NamedCandidate, NotRanked, Warning, answer};
@@ -43,6 +44,8 @@ answer! {
         pub(super) map?: MapAnswer,
         /// The passes of the recommended plan; only if `include` names them.
         pub(super) passes?: PassesAnswer,
+        /// The recommended plan as a program; only if `include` names it.
+        pub(super) program?: ProgramAnswer,
         /// The reliability of the recommendation.
         pub(super) confidence: ConfidenceAnswer,
         /// Facts that need attention.

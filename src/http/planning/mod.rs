@@ -11,7 +11,9 @@ mod machines;
 mod map;
 mod parameters;
 mod passes;
+mod path_check;
 mod plan;
+mod program;
 mod recommendation;
 mod shape;
 mod simulation;
@@ -34,4 +36,8 @@ pub(super) fn routes() -> Routes {
         .with_examples(examples!("cutter_recommendation"))
         .documented(Upload, routes!(upload::answer))
         .with_examples(examples!("cutter_recommendation_upload"))
+        .documented(Batch, routes!(path_check::answer))
+        .with_examples(examples!("path_check"))
+        .documented(Upload, routes!(path_check::answer_upload))
+        .with_examples(examples!("path_check_upload"))
 }

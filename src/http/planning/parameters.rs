@@ -1,6 +1,7 @@
 //! The parameters of a recommendation, without the surface: cutters, scallop height, machine, and settings of the plan.
 
 use super::library::Libraries;
+use super::program::{ProgramOptions, ProgramOptionsKind};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, members};
 use crate::http::wire::{
@@ -33,6 +34,7 @@ pub(super) enum Method {
 pub(super) enum Part {
     Map,
     Passes,
+    Program,
 }
 
 /// The direction of a line, which repeats after half a turn.
@@ -45,7 +47,7 @@ fn share(value: f64) -> Result<f64, OutOfRange> {
 }
 
 /// The default of the largest slope, in deg.
-const DEFAULT_MAX_SLOPE: f64 = 85.0;
+pub(super) const DEFAULT_MAX_SLOPE: f64 = 85.0;
 
 members! {
     /// The parameters besides the surface.
@@ -77,8 +79,9 @@ members! {
         avoid: optional AVOID: StatedSurface = ("avoid", StatedSurface,
             "a second surface, in the same unit and position: never machined and never cut, such as the walls beside the faces to finish"),
         include: optional INCLUDE: List<Choice<Part>> = ("include",
-            List { item: Choice { name: None, words: &[("map", Part::Map), ("passes", Part::Passes)] }, about_item: "a part of the answer", fewest: 0, most: 2 },
-            "optional parts of the answer, in method surface: map, a raster for drawing; passes, the recommended plan point by point"),
+            List { item: Choice { name: None, words: &[("map", Part::Map), ("passes", Part::Passes), ("program", Part::Program)] }, about_item: "a part of the answer", fewest: 0, most: 3 },
+            "optional parts of the answer, in method surface: map, a raster for drawing; passes, the recommended plan point by point; program, the same as G-code"),
+        program: optional PROGRAM: ProgramOptionsKind = ("program", ProgramOptionsKind, "how the program of include is written"),
     }
 }
 
@@ -101,6 +104,7 @@ pub(super) struct Parameters {
     pub(super) selection: Selection,
     pub(super) avoid: Option<SurfaceWithSource>,
     pub(super) include: Vec<Part>,
+    pub(super) program: ProgramOptions,
 }
 
 impl Parameters {
@@ -133,6 +137,7 @@ impl Parameters {
             selection: members.select?.unwrap_or_default(),
             avoid: members.avoid?,
             include: members.include?.unwrap_or_default(),
+            program: members.program?.unwrap_or_default(),
         })
     }
 

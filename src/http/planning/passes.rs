@@ -73,12 +73,17 @@ impl From<MoveKind> for MoveName {
 }
 
 impl PassesAnswer {
-    /// The path of the fastest plan; `None` without a plan. Once `stop` returns true, the result must be discarded.
-    pub(super) fn new(machined: &MachinedSurface, simulation: &Simulation, stop: Stop) -> Option<Self> {
-        let fastest = simulation.ranking.plans.first()?;
-        let candidate = &simulation.candidates[fastest.candidate];
-        plan::passes(&machined.workpiece, fastest, candidate, &simulation.settings, stop).map(Self::of)
+    /// The passes.
+    pub(super) fn new(passes: plan::Passes) -> Self {
+        Self::of(passes)
     }
+}
+
+/// The path of the first plan; `None` without a milled plan. Once `stop` returns true, the result must be discarded.
+pub(super) fn of_first(machined: &MachinedSurface, simulation: &Simulation, stop: Stop) -> Option<plan::Passes> {
+    let first = simulation.ranking.plans.first()?;
+    let candidate = &simulation.candidates[first.candidate];
+    plan::passes(&machined.workpiece, first, candidate, &simulation.settings, stop)
 }
 
 fn column<T>(points: &[PassPoint], of: impl FnMut(&PassPoint) -> T) -> Vec<T> {

@@ -5,7 +5,8 @@ use super::candidates::always_faster;
 use super::confidence::ConfidenceAnswer;
 use super::map::MapAnswer;
 use super::parameters::{AVOID, Method, Parameters, Part};
-use super::passes::PassesAnswer;
+use super::passes::{PassesAnswer, of_first};
+use super::program::ProgramAnswer;
 use super::shape::SurfaceAnswer;
 use super::simulation::{Simulation, report};
 use super::unit_doubt::UnitDoubt;
@@ -111,15 +112,21 @@ impl Task {
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
         let points = ranking.plans.first().map_or(0, CandidatePlan::points);
         let fits = (1..=MOST_POINTS).contains(&points);
-        if self.parameters.includes(Part::Passes) && !fits {
+        let (wants_passes, wants_program) = (self.parameters.includes(Part::Passes), self.parameters.includes(Part::Program));
+        if (wants_passes || wants_program) && !fits {
             let detail = format!("the passes have more than {MOST_POINTS} points and were left out");
             self.warnings.push(Warning::new(WarningCode::PassesLeftOut, detail));
         }
-        let passes = if self.parameters.includes(Part::Passes) && fits { PassesAnswer::new(machined, &simulation, stop) } else { None };
+        let path = if (wants_passes || wants_program) && fits { of_first(machined, &simulation, stop) } else { None };
+        let program = path.as_ref().filter(|_| wants_program).and_then(|path| {
+            let cutter = &self.parameters.candidates[ranking.plans.first()?.candidate];
+            ProgramAnswer::of(path, cutter, &self.parameters.machine, &self.parameters.program)
+        });
+        let passes = path.filter(|_| wants_passes).map(PassesAnswer::new);
         let map = if self.parameters.includes(Part::Map) { MapAnswer::new(machined, &simulation, stop) } else { None };
         let published = self.published().map(|published| published.plan);
         let answer = self.answered(candidates, not_ranked, Some(machined), published, confidence.into());
-        Ok(RecommendationAnswer { map, passes, ..answer })
+        Ok(RecommendationAnswer { map, passes, program, ..answer })
     }
 
     fn on_rectangle(mut self, machined: Option<&MachinedSurface>, stop: Stop) -> Result<RecommendationAnswer, Problem> {
@@ -167,6 +174,7 @@ impl Task {
             critical_form_factor: published.map(|plan| plan.critical_form_factor.form_factor().ratio()),
             map: None,
             passes: None,
+            program: None,
             confidence: confidence.doubting(self.unit_doubt.as_ref()),
             warnings: self.warnings,
         }

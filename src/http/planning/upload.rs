@@ -203,7 +203,7 @@ impl Received {
 
 /// Reads a part with a surface file on a thread of its own, to which the chunks of the body are passed as they
 /// arrive. The outer error is the form's, the inner one the file's.
-async fn read_file(
+pub(super) async fn read_file(
     form: &mut Form,
     head: &Head,
     work: &Work,
@@ -252,7 +252,7 @@ fn format_label(format: Format) -> &'static str {
 }
 
 /// Reads a part of up to `largest` bytes into memory.
-async fn read_small(form: &mut Form, name: &str, largest: usize) -> Result<Vec<u8>, Problem> {
+pub(super) async fn read_small(form: &mut Form, name: &str, largest: usize) -> Result<Vec<u8>, Problem> {
     let mut bytes = Vec::new();
     while let Some(chunk) = form.chunk().await? {
         if bytes.len() + chunk.len() > largest {

@@ -195,6 +195,23 @@ impl<T: Copy> Kind for Choice<T> {
     }
 }
 
+/// True or false.
+pub(crate) struct Flag;
+
+impl Kind for Flag {
+    type Value = bool;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<bool, Faulted> {
+        raw.get()
+            .parse()
+            .map_err(|_| faults.add(&path, RequestFault::WrongType, format_args!("expected true or false, found {}", describe(raw))))
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        ObjectBuilder::new().schema_type(Type::Boolean).description(description(about)).into()
+    }
+}
+
 /// Reads a finite number. One too large for double precision, such as 1e999, is out of range, not infinite.
 pub(crate) fn number(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<f64, Faulted> {
     let text = raw.get();

@@ -18,7 +18,7 @@ pub(crate) use array::{each_raw, items};
 pub(crate) use columns::Columns;
 pub(crate) use components::Components;
 pub(crate) use faults::{Fault, Faulted, Faults, describe};
-pub(crate) use kinds::{Choice, Number, Pair, Quantity, Vector, Whole, number, text};
+pub(crate) use kinds::{Choice, Flag, Number, Pair, Quantity, Vector, Whole, number, text};
 pub(crate) use list::List;
 pub(crate) use member::{AnyMember, Declared, Kind, Member};
 pub(crate) use members::{Form, Members, at_most_one, members};

@@ -19,6 +19,23 @@ pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults
     if read.is_ok() && are_in_bounds { Ok(()) } else { find_faults(raw, path, faults) }
 }
 
+/// An array of points that is kept: a path.
+pub(crate) struct PathPoints;
+
+impl Kind for PathPoints {
+    type Value = Vec<[f64; 3]>;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self::Value, Faulted> {
+        let mut points = Vec::new();
+        each_point(raw, path, faults, |point| points.push(point))?;
+        Ok(points)
+    }
+
+    fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
+        Points.schema(about, components)
+    }
+}
+
 /// Finds all faults of an array of points that is known to have one.
 fn find_faults(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
     let mut result = Ok(());

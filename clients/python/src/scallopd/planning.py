@@ -19,8 +19,13 @@ __all__ = [
     "MachinePreset",
     "Mesh",
     "Passes",
+    "PathCheck",
+    "PathCheckParameters",
+    "PathPlace",
+    "StatedPath",
     "Plan",
     "Planning",
+    "ProgramOptions",
     "Recommendation",
     "RecommendationParameters",
     "Recommended",
@@ -115,6 +120,19 @@ class LibraryFilter(TypedDict, total=False):
     numbers: Sequence[int]
 
 
+class ProgramOptions(TypedDict, total=False):
+    """How the program of `include` is written."""
+
+    unit: Literal["mm", "inch"]
+    number_lines: bool
+    decimals: int
+    header: Sequence[str]
+    footer: Sequence[str]
+    tool: int
+    spindle_speed_rpm: float
+    coolant: bool
+
+
 class RecommendationParameters(TypedDict, total=False):
     """Parameters of a recommendation beside the surface, cutters, tolerance and machine."""
 
@@ -129,7 +147,8 @@ class RecommendationParameters(TypedDict, total=False):
     max_uncut_share: float
     select: Selection
     avoid: Surface
-    include: Sequence[Literal["map", "passes"]]
+    include: Sequence[Literal["map", "passes", "program"]]
+    program: ProgramOptions
 
 
 class Recommended(TypedDict, total=False):
@@ -201,13 +220,64 @@ class _RecommendationAnswer(TypedDict):
 
 
 class Recommendation(_RecommendationAnswer, total=False):
-    """Answer of a recommendation; `map` and `passes` where `include` asks for them."""
+    """Answer of a recommendation; `map`, `passes` and `program` where `include` asks for them."""
 
     critical_slope_deg: float
     always_faster: Literal["toroidal", "ball_end"]
     critical_form_factor: float
     map: Dict[str, Any]
     passes: Passes
+    program: Dict[str, str]
+
+
+# Paths that exist
+
+
+class StatedPath(TypedDict, total=False):
+    """A path: the text of a `program`, or the points `tip_mm`, of which those with an index in `rapid` are reached by a rapid move."""
+
+    program: str
+    tip_mm: Sequence[Vector]
+    rapid: Sequence[int]
+    feed_rate_mm_min: Union[float, Sequence[float]]
+
+
+class PathCheckParameters(TypedDict, total=False):
+    """Parameters of a check beside the surface, the path, the cutter, the tolerance and the machine."""
+
+    tip: Literal["lowest_point", "centre"]
+    max_slope_deg: float
+    unit: str
+    facing: str
+    select: Selection
+
+
+class PathPlace(TypedDict, total=False):
+    """A place where a path leaves too much or cuts too deep; `move` and `line` are absent where no move comes over it."""
+
+    code: Literal["collision", "gouge", "over-tolerance", "uncut"]
+    point_mm: List[float]
+    value_mm: float
+    move: int
+    line: int
+
+
+class PathCheck(TypedDict, total=False):
+    """What a path leaves on a surface."""
+
+    moves: int
+    cutting_length_mm: float
+    rapid_length_mm: float
+    machining_time_s: float
+    residual_mm: Dict[str, float]
+    over_tolerance_share: float
+    reachable_over_tolerance_share: float
+    uncut_share: float
+    used_share: float
+    gouge: Dict[str, float]
+    standard_error: Dict[str, float]
+    places: List[PathPlace]
+    warnings: List[Warning]
 
 
 class Planning(Endpoints):
@@ -260,6 +330,32 @@ class Planning(Endpoints):
         body = _recommendation(cutters, scallop_height_mm, machine, cast(Dict[str, Any], parameters))
         files = [("surface", surface), *(("library", library) for library in libraries)]
         return cast(Recommendation, self._upload("cutter-recommendation/upload", body, files))
+
+    def check_path(
+        self,
+        surface: Surface,
+        path: StatedPath,
+        cutter: Cutter,
+        scallop_height_mm: float,
+        machine: Union[str, Machine],
+        **parameters: Unpack[PathCheckParameters],
+    ) -> PathCheck:
+        """What a path leaves on a surface, where it cuts into the part, and how long it takes."""
+        body = {"cutter": cutter, "scallop_height_mm": scallop_height_mm, "machine": _machine(machine), **cast(Dict[str, Any], parameters)}
+        return cast(PathCheck, self._post("path-check", {**body, "surface": surface, "path": path}))
+
+    def check_path_file(
+        self,
+        surface: Union[Source, File],
+        path: Union[Source, File],
+        cutter: Cutter,
+        scallop_height_mm: float,
+        machine: Union[str, Machine],
+        **parameters: Unpack[PathCheckParameters],
+    ) -> PathCheck:
+        """`check_path` with the surface and the program in files."""
+        body = {"cutter": cutter, "scallop_height_mm": scallop_height_mm, "machine": _machine(machine), **cast(Dict[str, Any], parameters)}
+        return cast(PathCheck, self._upload("path-check/upload", body, [("surface", surface), ("path", path)]))
 
 
 def _machine(machine: Union[str, Machine]) -> Machine:

@@ -16,7 +16,7 @@ def rows(recommendation: Recommendation) -> List[List[str]]:
 
 
 def _ranked(plan: Plan) -> List[str]:
-    # Method `rectangle` has one step-over, and not all of the simulation's figures.
+    # Method `rectangle` has one step-over; a plan that was only estimated has neither passes nor step-over.
     step_over: object = plan.get("step_over_xy_mm")
     median = step_over.get("median") if isinstance(step_over, Mapping) else step_over
     uncut = plan.get("uncut_share")
@@ -24,7 +24,7 @@ def _ranked(plan: Plan) -> List[str]:
         plan.get("name") or f"{plan['cutter']}: {plan['type']}",
         f"{plan['direction_deg']:.1f}",
         f"{plan['machining_time_s']:.1f}",
-        f"{plan['passes']:.0f}",
+        _figure(plan.get("passes"), 0),
         _figure(median, 3),
         _figure(plan.get("feed_rate_mm_min"), 0),
         _figure(None if uncut is None else 100 * uncut, 2),

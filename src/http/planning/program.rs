@@ -1,0 +1,126 @@
+//! The recommended plan as a program, and how it is to be written.
+
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Choice, Components, Faulted, Faults, Flag, JsonPath, Kind, List, Quantity, Whole, describe, members, text};
+use crate::http::wire::{NamedCandidate, answer};
+use crate::motion::Machine;
+use crate::path::program::{Operation, WriteSettings, write_iso};
+use crate::path::{Move, MoveKind};
+use crate::planning::plan::Passes;
+use crate::quantity::SpindleSpeed;
+use serde_json::value::RawValue;
+use utoipa::openapi::schema::{ObjectBuilder, Type};
+use utoipa::openapi::{RefOr, Schema};
+
+/// How a program is written.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ProgramOptions {
+    inches: bool,
+    number_lines: bool,
+    decimals: Option<u32>,
+    header: Vec<String>,
+    footer: Vec<String>,
+    tool: Option<u32>,
+    spindle_speed: Option<SpindleSpeed>,
+    coolant: bool,
+}
+
+members! {
+    /// The members of the options of a program.
+    pub(super) struct ProgramOptionMembers for ProgramOptionsKind ("ProgramOptions", "How the program is written; only with `program` in `include`") -> ProgramOptions {
+        unit: optional PROGRAM_UNIT: Choice<bool> = ("unit", Choice { name: None, words: &[("mm", false), ("inch", true)] },
+            "the unit of the program: mm (default), G21; inch, G20"),
+        number_lines: optional NUMBER_LINES: Flag = ("number_lines", Flag, "whether each block has a number; absent = false"),
+        decimals: optional DECIMALS: Whole = ("decimals", Whole { minimum: 2, maximum: 6, example: 4 }, "the decimals of coordinates; absent = 4"),
+        header: optional HEADER: List<Line> = ("header", List { item: Line, about_item: "a block", fewest: 0, most: 50 }, "blocks at the beginning"),
+        footer: optional FOOTER: List<Line> = ("footer", List { item: Line, about_item: "a block", fewest: 0, most: 50 }, "blocks before M5 and M30"),
+        tool: optional TOOL: Whole = ("tool", Whole { minimum: 0, maximum: 999_999, example: 3 }, "the number of the tool call; absent = 1"),
+        spindle_speed: optional PROGRAM_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
+            "the spindle speed of the program; absent = the cutter's, at most the machine's"),
+        coolant: optional COOLANT: Flag = ("coolant", Flag, "whether coolant is on, M8; absent = false"),
+    }
+}
+
+impl ProgramOptionMembers {
+    fn build(self, _: &JsonPath<'_>, _: &mut Faults) -> Result<ProgramOptions, Faulted> {
+        let Self { unit, number_lines, decimals, header, footer, tool, spindle_speed, coolant } = self;
+        Ok(ProgramOptions {
+            inches: unit?.unwrap_or_default(),
+            number_lines: number_lines?.unwrap_or_default(),
+            decimals: decimals?,
+            header: header?.unwrap_or_default(),
+            footer: footer?.unwrap_or_default(),
+            tool: tool?,
+            spindle_speed: spindle_speed?,
+            coolant: coolant?.unwrap_or_default(),
+        })
+    }
+}
+
+/// A block of a program, as it is written.
+pub(super) struct Line;
+
+impl Line {
+    const LONGEST: usize = 120;
+}
+
+impl Kind for Line {
+    type Value = String;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<String, Faulted> {
+        let line = text(raw, path, faults)?;
+        if line.len() <= Self::LONGEST && line.bytes().all(|byte| (b' '..=b'~').contains(&byte)) {
+            return Ok(line);
+        }
+        let detail = format_args!("a block has at most {} printable ASCII characters, found {}", Self::LONGEST, describe(raw));
+        Err(faults.add(&path, RequestFault::OutOfRange, detail))
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        let schema = ObjectBuilder::new().schema_type(Type::String).description(Some(about)).max_length(Some(Self::LONGEST));
+        schema.pattern(Some("^[ -~]*$")).examples(["G54"]).into()
+    }
+}
+
+answer! {
+    /// The recommended plan as a program.
+    #[schema(as = Program)]
+    pub(crate) struct ProgramAnswer {
+        /// The text: one tool call, G0 and G1 alone, modal words not repeated.
+        text: String,
+        /// The dialect of the text.
+        dialect: &'static str [example = "iso"],
+    }
+}
+
+impl ProgramAnswer {
+    /// The program of a cutter's path.
+    pub(super) fn of(passes: &Passes, cutter: &NamedCandidate, machine: &Machine, options: &ProgramOptions) -> Option<Self> {
+        let moves: Vec<Move> =
+            passes.points.windows(2).map(|pair| Move { from: pair[0].tip, to: pair[1].tip, kind: pair[1].kind }).collect();
+        // A link is a move at the feed rate.
+        let moves: Vec<Move> =
+            moves.into_iter().map(|each| if each.kind == MoveKind::Link { Move { kind: MoveKind::Cut, ..each } } else { each }).collect();
+        let feed_rates: Vec<f64> = passes.points.iter().skip(1).map(|point| point.feed_rate.mm_min()).collect();
+        let own = cutter.candidate.drive.map(|drive| drive.spindle_speed.rpm());
+        let most = machine.max_spindle_speed.map_or(f64::INFINITY, SpindleSpeed::rpm);
+        let spindle_speed = options.spindle_speed.map(SpindleSpeed::rpm).or(own.map(|own| own.min(most)));
+        let operation = Operation {
+            tool: options.tool.unwrap_or(1),
+            name: cutter.name.as_deref(),
+            spindle_speed,
+            moves: &moves,
+            feed_rates: &feed_rates,
+        };
+        let settings = WriteSettings {
+            inches: options.inches,
+            number_lines: options.number_lines,
+            decimals: options.decimals.unwrap_or(4) as usize,
+            header: &options.header,
+            footer: &options.footer,
+            coolant: options.coolant,
+        };
+        let text = write_iso(&[operation], &settings).ok()?;
+        Some(Self { text, dialect: "iso" })
+    }
+}

@@ -1,0 +1,122 @@
+//! A path that exists: its lengths, its time, and the places where it leaves too much or cuts too deep.
+
+use super::finish::{Finish, OVER};
+use super::milled::Left;
+use super::moves::{Move, MoveKind};
+use super::places::{Place, Places};
+use crate::motion::{Machine, MachineLimits, travel_time};
+use crate::numerics::vector::{difference, length};
+use crate::quantity::{Length, Speed, Time};
+
+/// The most places that are listed.
+const MOST_FINDINGS: usize = 100;
+
+/// What is wrong at a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FindingKind {
+    /// A rapid move cuts the part.
+    Collision,
+    /// A move at the feed rate cuts the part.
+    Gouge,
+    /// More is left than the tolerance, and the cutter could have reached the place.
+    OverTolerance,
+    /// No move comes over the place, and the cutter could have reached it.
+    Uncut,
+}
+
+/// A place where the path leaves too much or cuts too deep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finding {
+    /// What is wrong.
+    pub kind: FindingKind,
+    /// The place.
+    pub place: Place,
+    /// What is left and by which move; `None` where the place is uncut.
+    pub left: Option<Left>,
+}
+
+/// The worst places, those of each kind together and the worst first: at most a hundred, and no two of a kind closer to
+/// each other than `distance` in mm.
+#[must_use]
+pub fn findings(finish: &Finish, places: &Places, tolerance: f64, distance: f64) -> Vec<Finding> {
+    let mut all: Vec<Finding> = Vec::new();
+    let of_spot = |kind, spot: super::Spot| Finding { kind, place: spot.place, left: Some(spot.left) };
+    let is_gouge = |left: &Left| left.height < finish.gouge_level;
+    all.extend(finish.collision.filter(|spot| is_gouge(&spot.left)).map(|spot| of_spot(FindingKind::Collision, spot)));
+    all.extend(finish.gouge.filter(|spot| is_gouge(&spot.left)).map(|spot| of_spot(FindingKind::Gouge, spot)));
+    all.extend(finish.worst.filter(|spot| spot.left.height > OVER * tolerance).map(|spot| of_spot(FindingKind::OverTolerance, spot)));
+    for (index, place) in places.inside().iter().enumerate() {
+        let collision = finish.collisions[index].filter(is_gouge);
+        all.extend(collision.map(|left| Finding { kind: FindingKind::Collision, place: *place, left: Some(left) }));
+        let kind = match finish.left[index] {
+            Some(left) if is_gouge(&left) => FindingKind::Gouge,
+            Some(_) if finish.over_reachable[index] => FindingKind::OverTolerance,
+            None if finish.over_reachable[index] => FindingKind::Uncut,
+            _ => continue,
+        };
+        all.push(Finding { kind, place: *place, left: finish.left[index] });
+    }
+    let size = |finding: &Finding| finding.left.map_or(0.0, |left| left.height.abs());
+    all.sort_by(|a, b| a.kind.cmp(&b.kind).then(size(b).total_cmp(&size(a))));
+    let mut chosen: Vec<Finding> = Vec::new();
+    for finding in all {
+        let is_near = |other: &Finding| other.kind == finding.kind && length(difference(other.place.point, finding.place.point)) < distance;
+        if chosen.len() < MOST_FINDINGS && !chosen.iter().any(is_near) {
+            chosen.push(finding);
+        }
+    }
+    chosen
+}
+
+/// The lengths of a path in mm, and its time on a machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathLengths {
+    /// The length of the moves at the feed rate.
+    pub cutting: f64,
+    /// The length of the rapid moves.
+    pub rapid: f64,
+    /// The time of all moves.
+    pub time: Time,
+}
+
+impl PathLengths {
+    /// Of these moves, with the feed rate of each; those of rapids do not count. The tool stops where moves of a kind that
+    /// follow each other end, and nowhere else: it is the time of a control that rounds every corner.
+    ///
+    /// # Panics
+    /// If there are fewer feed rates than moves.
+    #[must_use]
+    pub fn new(moves: &[Move], feeds: &[Speed], machine: &Machine) -> Self {
+        let mut lengths = Self { cutting: 0.0, rapid: 0.0, time: Time::computed(0.0) };
+        let mut seconds = 0.0;
+        let mut first = 0;
+        while first < moves.len() {
+            let is_rapid = |at: usize| moves[at].kind == MoveKind::Rapid;
+            let mut last = first + 1;
+            while last < moves.len() && is_rapid(last) == is_rapid(first) && joins(&moves[last - 1], &moves[last]) {
+                last += 1;
+            }
+            let run = &moves[first..last];
+            let speed = |at: usize| if is_rapid(first) { machine.rapid_rate } else { feeds[first + at] };
+            let of_run: f64 = run.iter().map(|each| length(difference(each.to, each.from))).sum();
+            *(if is_rapid(first) { &mut lengths.rapid } else { &mut lengths.cutting }) += of_run;
+            seconds += without_stops(run, speed, machine.limits, of_run);
+            first = last;
+        }
+        lengths.time = Time::computed(seconds);
+        lengths
+    }
+}
+
+/// The time of a run from rest to rest as that of a straight move at its mean feed rate.
+fn without_stops(run: &[Move], speed: impl Fn(usize) -> Speed, limits: MachineLimits, of_run: f64) -> f64 {
+    let at_feed: f64 = run.iter().enumerate().map(|(at, each)| length(difference(each.to, each.from)) / speed(at).mm_s()).sum();
+    if of_run <= 0.0 || at_feed <= 0.0 {
+        return 0.0;
+    }
+    travel_time(Length::computed(of_run), MachineLimits { feed_rate: Speed::computed(of_run / at_feed), ..limits }).seconds()
+}
+
+fn joins(one: &Move, next: &Move) -> bool {
+    length(difference(one.to, next.from)) <= 0.0
+}
