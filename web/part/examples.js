@@ -1,8 +1,8 @@
 // Surfaces to try the part view with, as the service takes them in JSON and as files.
 
-/** A hill with a groove 2 mm deep, rounded to 4.3 mm at its bottom, which large cutters cannot reach: a grid of 121 x 81 points. */
+/** A hill with a groove 2 mm deep, rounded to 4.3 mm at its bottom, which large cutters cannot reach: a grid of 181 x 121 points. */
 function grooved() {
-  const [columns, rows, cell, depth, halfWidth] = [121, 81, 0.75, 2, 6.5];
+  const [columns, rows, cell, depth, halfWidth] = [181, 121, 0.5, 2, 6.5];
   const points = [];
   for (let row = 0; row < rows; row += 1) {
     for (let column = 0; column < columns; column += 1) {

@@ -7,8 +7,8 @@ export const CUTTERS = [
   { name: 'T16', type: 'toroidal', diameter_mm: 16, corner_radius_mm: 3 },
   { name: 'T10', type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2 },
   { name: 'B10', type: 'ball_end', diameter_mm: 10 },
-  { name: 'B8', type: 'ball_end', diameter_mm: 8 },
   { name: 'B6', type: 'ball_end', diameter_mm: 6 },
+  { name: 'B4', type: 'ball_end', diameter_mm: 4 },
 ];
 
 const UNITS = [['', 'mm (3MF: its own)'], ...['mm', 'cm', 'm', 'inch', 'foot', 'um'].map((unit) => [unit, unit === 'um' ? 'µm' : unit])];

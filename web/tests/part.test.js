@@ -192,7 +192,7 @@ test('the link and the curl command of the part view hold fields and cutters', a
   await other.locator('.cutter-row').nth(1).waitFor();
   assert.deepEqual((await find(other)).request.postDataJSON(), request.postDataJSON());
   assert.deepEqual(request.postDataJSON().directions_deg, [0, 45]);
-  // The command states the example's ten thousand points, and can be run.
+  // The command states all points of the example, and can be run.
   await page.getByRole('button', { name: 'Copy as curl' }).click();
   const command = fileOf('request.sh', await page.evaluate(() => navigator.clipboard.readText()));
   assert.equal(JSON.parse(await shell(`sh ${command}`)).recommended.machining_time_s, answer.recommended.machining_time_s);
@@ -234,8 +234,8 @@ test('a direction that is clicked in the chart is planned alone', async () => {
   assert.ok(direction > 60 && direction < 120, `${direction}`);
   assert.equal(again.recommended.direction_deg, direction);
   const { by_direction: { direction_deg: directions, machining_time_s: times } } = answer.candidates[0];
-  // Alone it may be simulated more finely; the service states that its simulation may err by 2 %.
-  assert.ok(Math.abs(again.recommended.machining_time_s / times[directions.indexOf(direction)] - 1) < 0.02);
+  // Alone it is milled; together with others only the best three are, and its time is an estimate.
+  assert.ok(Math.abs(again.recommended.machining_time_s / times[directions.indexOf(direction)] - 1) < 0.15);
   clean(watch);
 });
 

@@ -366,7 +366,11 @@ fn estimate(
     #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
     let uncut_share = out_of_reach.len() as f64 / on.len().max(1) as f64;
     let uncut_height = out_of_reach.iter().map(|station| station.lift).filter(|lift| lift.is_finite()).fold(0.0, f64::max);
-    if uncut_share > settings.max_uncut_share {
+    // In a hollow of coarse facets a cutter that fits the surface stands on their edges, by as much as they are off the surface.
+    let is_refused = |station: &&&Station| station.lift > height + workpiece.sagitta_of(station.place.target);
+    #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
+    let refused_share = out_of_reach.iter().filter(is_refused).count() as f64 / on.len().max(1) as f64;
+    if refused_share > settings.max_uncut_share {
         return Err(NotRankedReason::CannotReach { uncut_share, uncut_height: Length::computed(uncut_height) });
     }
     let time = |direction: Angle| (direction, seconds(workpiece, &on, &prepared, settings, direction));

@@ -165,7 +165,12 @@ impl Workpiece {
         self.drop.drop(&LINE, x, y, None)
     }
 
-    /// The figures of the surface.
+    /// The distance in mm of a target from a surface with its curvature: k s^2/8, with s^2 twice its area.
+    pub(super) fn sagitta_of(&self, target: usize) -> f64 {
+        let [steepest, twist, level] = self.tangents[target].curvature;
+        (steepest * steepest + level * level + 2.0 * twist * twist).sqrt() * 2.0 * self.targets[target].area / 8.0
+    }
+
     /// The figures of what is machined.
     #[must_use]
     pub fn figures(&self) -> SurfaceFigures {
