@@ -40,7 +40,7 @@ def body_of(operation, module):
     model = getattr(models, str(body_class(module)).split(".")[-1].strip("'>"))
     if "multipart/form-data" in content:
         form = content["multipart/form-data"]["example"]
-        return model.from_dict({**form, "surface": form["surface"].encode()})
+        return model.from_dict({name: part.encode() if isinstance(part, str) else part for name, part in form.items()})
     return model.from_dict(content["application/json"]["example"])
 
 
