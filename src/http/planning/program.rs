@@ -77,8 +77,8 @@ impl Kind for Line {
     }
 
     fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
-        let schema = ObjectBuilder::new().schema_type(Type::String).description(Some(about)).max_length(Some(Self::LONGEST));
-        schema.pattern(Some("^[ -~]*$")).examples(["G54"]).into()
+        let schema = ObjectBuilder::new().schema_type(Type::String).description(Some(about));
+        schema.max_length(Some(Self::LONGEST)).examples(["G54"]).into()
     }
 }
 
