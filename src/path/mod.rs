@@ -14,7 +14,6 @@ mod move_grid;
 mod moves;
 mod places;
 pub mod program;
-mod random;
 mod standing;
 #[cfg(test)]
 mod tests;

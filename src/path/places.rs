@@ -8,8 +8,9 @@
     reason = "cells and moves are fewer than 2^32"
 )]
 
-use super::random::Random;
+use crate::numerics::random::Random;
 use crate::numerics::vector::{cross, difference, length};
+use crate::numerics::z_order::z_order;
 use crate::surface::Mesh;
 
 /// A place on a facet.
@@ -154,20 +155,11 @@ fn in_local_order(mesh: &Mesh, facets: &[u32]) -> Vec<u32> {
     let key = |facet: u32| {
         let [a, b, c] = mesh.corners(facet as usize);
         let of = |axis: usize| (65535.0 * ((a[axis] + b[axis] + c[axis]) / 3.0 - bounds.min[axis]) / width) as u32;
-        interleaved(of(0)) | interleaved(of(1)) << 1
+        z_order([of(0), of(1)])
     };
     let mut keyed: Vec<(u32, u32)> = facets.iter().map(|&facet| (key(facet), facet)).collect();
     keyed.sort_unstable();
     keyed.into_iter().map(|(_, facet)| facet).collect()
-}
-
-/// The 16 low bits with a zero bit after each.
-fn interleaved(bits: u32) -> u32 {
-    let mut x = bits & 0xffff;
-    for (shift, mask) in [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
-        x = (x | x << shift) & mask;
-    }
-    x
 }
 
 /// The normal of the plane through three corners, twice the area long.

@@ -4,11 +4,11 @@
 
 use super::*;
 use crate::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Profile, Runout, SurfaceCurvature};
+use crate::numerics::random::Random;
 use crate::quantity::Length;
 use crate::surface::{Facing, Mesh, MeshBuilder, Unit};
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
-use random::Random;
 
 fn cut(from: Vector3<f64>, to: Vector3<f64>) -> Move {
     Move { from: from.into(), to: to.into(), kind: MoveKind::Cut }

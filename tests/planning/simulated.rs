@@ -231,8 +231,10 @@ async fn a_surface_to_avoid_is_neither_machined_nor_cut() {
     assert_relative_eq!(farthest(&uploaded), farthest(&avoiding), max_relative = 1e-6);
     parameters["avoid"] = wall;
     assert_eq!(app.upload_parts(parts(&parameters)).await.faults(), (422, vec![("/avoid", "conflicting-fields")]));
-    let by_rectangle = with(request, json!({"method": "rectangle", "avoid": box_of([20.0, 0.0, 0.0], [25.0, 20.0, 12.0]), "include": []}));
-    let _ = app.recommend(&by_rectangle).await;
+    let by_rectangle = json!({"method": "rectangle", "avoid": parameters["avoid"]});
+    let mut by_rectangle = with(with(simulated(), grid()), by_rectangle);
+    by_rectangle.as_object_mut().unwrap().remove("directions_deg");
+    assert_eq!(warnings(&app.recommend(&by_rectangle).await.ok()), ["member-unused"]);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -12,6 +12,8 @@ mod map;
 mod parameters;
 mod passes;
 mod path_check;
+mod path_check_answer;
+mod path_object;
 mod plan;
 mod program;
 mod recommendation;

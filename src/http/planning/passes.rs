@@ -72,13 +72,6 @@ impl From<MoveKind> for MoveName {
     }
 }
 
-impl PassesAnswer {
-    /// The passes.
-    pub(super) fn new(passes: plan::Passes) -> Self {
-        Self::of(passes)
-    }
-}
-
 /// The path of the first plan; `None` without a milled plan. Once `stop` returns true, the result must be discarded.
 pub(super) fn of_first(machined: &MachinedSurface, simulation: &Simulation, stop: Stop) -> Option<plan::Passes> {
     let first = simulation.ranking.plans.first()?;

@@ -122,7 +122,7 @@ impl Task {
             let cutter = &self.parameters.candidates[ranking.plans.first()?.candidate];
             ProgramAnswer::of(path, cutter, &self.parameters.machine, &self.parameters.program)
         });
-        let passes = path.filter(|_| wants_passes).map(PassesAnswer::new);
+        let passes = path.filter(|_| wants_passes).map(PassesAnswer::of);
         let map = if self.parameters.includes(Part::Map) { MapAnswer::new(machined, &simulation, stop) } else { None };
         let published = self.published().map(|published| published.plan);
         let answer = self.answered(candidates, not_ranked, Some(machined), published, confidence.into());

@@ -4,8 +4,8 @@ use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Components, Faulted, Faults, Flag, JsonPath, Kind, List, Quantity, Whole, describe, members, text};
 use crate::http::wire::{NamedCandidate, answer};
 use crate::motion::Machine;
+use crate::path::Move;
 use crate::path::program::{Operation, WriteSettings, write_iso};
-use crate::path::{Move, MoveKind};
 use crate::planning::plan::Passes;
 use crate::quantity::SpindleSpeed;
 use serde_json::value::RawValue;
@@ -32,8 +32,8 @@ members! {
             "the unit of the program: mm (default), G21; inch, G20"),
         number_lines: optional NUMBER_LINES: Flag = ("number_lines", Flag, "whether each block has a number; absent = false"),
         decimals: optional DECIMALS: Whole = ("decimals", Whole { minimum: 2, maximum: 6, example: 4 }, "the decimals of coordinates; absent = 4"),
-        header: optional HEADER: List<Line> = ("header", List { item: Line, about_item: "a block", fewest: 0, most: 50 }, "blocks at the beginning"),
-        footer: optional FOOTER: List<Line> = ("footer", List { item: Line, about_item: "a block", fewest: 0, most: 50 }, "blocks before M5 and M30"),
+        header: optional HEADER: List<Line> = ("header", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks at the beginning"),
+        footer: optional FOOTER: List<Line> = ("footer", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks before M5 and M30"),
         tool: optional TOOL: Whole = ("tool", Whole { minimum: 0, maximum: 999_999, example: 3 }, "the number of the tool call; absent = 1"),
         spindle_speed: optional PROGRAM_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
             "the spindle speed of the program; absent = the cutter's, at most the machine's"),
@@ -98,9 +98,6 @@ impl ProgramAnswer {
     pub(super) fn of(passes: &Passes, cutter: &NamedCandidate, machine: &Machine, options: &ProgramOptions) -> Option<Self> {
         let moves: Vec<Move> =
             passes.points.windows(2).map(|pair| Move { from: pair[0].tip, to: pair[1].tip, kind: pair[1].kind }).collect();
-        // A link is a move at the feed rate.
-        let moves: Vec<Move> =
-            moves.into_iter().map(|each| if each.kind == MoveKind::Link { Move { kind: MoveKind::Cut, ..each } } else { each }).collect();
         let feed_rates: Vec<f64> = passes.points.iter().skip(1).map(|point| point.feed_rate.mm_min()).collect();
         let own = cutter.candidate.drive.map(|drive| drive.spindle_speed.rpm());
         let most = machine.max_spindle_speed.map_or(f64::INFINITY, SpindleSpeed::rpm);

@@ -7,7 +7,6 @@ use crate::http::wire::{FACETS_NAME, PIECES_NAME};
 use crate::milling::Model;
 use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};
 use crate::planning::plan::{CandidateCutter, PlanSettings, Ranking, rank};
-use crate::surface::mesh::Selection;
 use crate::surface::{MeshError, Shape};
 
 /// Records the fault of the surface at `path`.
@@ -17,7 +16,7 @@ pub(super) fn report(reason: NoMachinedSurface, path: &JsonPath<'_>, faults: &mu
         NoMachinedSurface::Avoided(error) => faults.add(&JsonPath::Root.member(AVOID.name), mesh_code(error), error),
         NoMachinedSurface::Selection(error) => {
             let select = JsonPath::Root.member(SELECT.name);
-            let member = if Selection::is_about_facets(error) { FACETS_NAME } else { PIECES_NAME };
+            let member = if error.is_about_facets() { FACETS_NAME } else { PIECES_NAME };
             faults.add(&select.member(member), RequestFault::OutOfRange, error)
         }
         NoMachinedSurface::NothingToMachine => {

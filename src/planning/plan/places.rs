@@ -1,6 +1,8 @@
 //! Places drawn evenly over the area to machine, on which plans are estimated and judged.
 
 use super::workpiece::Workpiece;
+use crate::numerics::random::Random;
+use crate::numerics::z_order::z_order;
 use rayon::prelude::*;
 
 /// A place of the surface to machine.
@@ -23,15 +25,15 @@ pub(super) fn drawn(workpiece: &Workpiece, count: usize, seed: u64) -> Vec<Place
     let order = along_curve(workpiece);
     let whole: f64 = workpiece.targets.iter().map(|target| target.area).sum();
     let share = whole / count as f64;
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut places = Vec::with_capacity(count);
     let mut passed = 0.0;
-    let mut due = random.next() * share;
+    let mut due = random.unit() * share;
     for target in order {
         passed += workpiece.targets[target].area;
         while passed >= due && places.len() < count {
-            places.push(Place { target, point: random.within(workpiece.targets[target].corners), area: share });
-            due = (places.len() as f64 + random.next()) * share;
+            places.push(Place { target, point: within(workpiece.targets[target].corners, &mut random), area: share });
+            due = (places.len() as f64 + random.unit()) * share;
         }
     }
     // Of a large facet that is partly hidden, its visible part is machined.
@@ -51,41 +53,18 @@ fn along_curve(workpiece: &Workpiece) -> Vec<usize> {
     let cell = |value: f64, axis: usize| (f64::from(u16::MAX) * ((value - low[axis]) / side).clamp(0.0, 1.0)) as u32;
     let key = |corners: &[[f64; 3]; 3]| {
         let centre = |axis: usize| (corners[0][axis] + corners[1][axis] + corners[2][axis]) / 3.0;
-        spread_bits(cell(centre(0), 0)) | spread_bits(cell(centre(1), 1)) << 1
+        z_order([0, 1].map(|axis| cell(centre(axis), axis)))
     };
     let mut order: Vec<(u32, usize)> = workpiece.targets.iter().map(|target| key(&target.corners)).zip(0..).collect();
     order.sort_unstable();
     order.into_iter().map(|(_, target)| target).collect()
 }
 
-/// The 16 lower bits, each followed by a bit of 0.
-fn spread_bits(number: u32) -> u32 {
-    let mut bits = number & 0xffff;
-    bits = (bits | bits << 8) & 0x00ff_00ff;
-    bits = (bits | bits << 4) & 0x0f0f_0f0f;
-    bits = (bits | bits << 2) & 0x3333_3333;
-    (bits | bits << 1) & 0x5555_5555
-}
-
-/// Random numbers from 0 to 1, always the same ones: the 64-bit generator SplitMix (Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    #[expect(clippy::cast_precision_loss, reason = "53 bits")]
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+/// A point evenly drawn from a triangle.
+fn within([a, b, c]: [[f64; 3]; 3], random: &mut Random) -> [f64; 3] {
+    let (mut u, mut v) = (random.unit(), random.unit());
+    if u + v > 1.0 {
+        (u, v) = (1.0 - u, 1.0 - v);
     }
-
-    /// A point evenly drawn from a triangle.
-    fn within(&mut self, [a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
-        let (mut u, mut v) = (self.next(), self.next());
-        if u + v > 1.0 {
-            (u, v) = (1.0 - u, 1.0 - v);
-        }
-        [0, 1, 2].map(|axis| a[axis] + u * (b[axis] - a[axis]) + v * (c[axis] - a[axis]))
-    }
+    [0, 1, 2].map(|axis| a[axis] + u * (b[axis] - a[axis]) + v * (c[axis] - a[axis]))
 }

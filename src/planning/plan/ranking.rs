@@ -279,25 +279,7 @@ pub fn rank(
             milled_points: &milled_points,
             stop,
         };
-        let (mut best, mut times): (Option<MilledPlan>, Vec<(Angle, Option<Time>)>) = (None, Vec::new());
-        let mut is_too_long = false;
-        for direction in of_candidate.to_mill() {
-            let points = best.as_ref().map_or(0, |best| best.tour.points.len());
-            if is_too_long || points > ONE_DIRECTION || (points > 0 && milled_points.get() >= MOST_POINTS) {
-                break;
-            }
-            match planner.plan(direction) {
-                Ok(plan) => {
-                    times.push((direction, Some(Time::computed(plan.tour.figures.seconds))));
-                    if best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best)) {
-                        best = Some(plan);
-                    }
-                }
-                Err(NoPlan::Stopped) => return None,
-                Err(NoPlan::NoLines | NoPlan::NoRuns) => times.push((direction, None)),
-                Err(NoPlan::TooLong) => is_too_long = true,
-            }
-        }
+        let Directed { best, times, is_too_long } = in_best_direction(&planner, of_candidate.to_mill())?;
         match best {
             Some(best) => plans.push(of_candidate.milled(workpiece, settings, best, &times)),
             None if is_too_long => plans.push(of_candidate.unmilled(workpiece, settings)),
@@ -313,6 +295,41 @@ pub fn rank(
     let surface = workpiece.figures();
     let confidence = Confidence::of(&plans, candidates, &surface, settings.scallop_height, evidence);
     Some(Ranking { plans, not_ranked, surface, confidence })
+}
+
+/// The plans of a candidate in several directions.
+struct Directed {
+    best: Option<MilledPlan>,
+    /// The time of each direction that was planned, `None` without a plan.
+    times: Vec<(Angle, Option<Time>)>,
+    is_too_long: bool,
+}
+
+/// Plans a candidate in these directions, as long as its paths are short enough for further ones; `None` once `stop` returns
+/// true.
+fn in_best_direction(planner: &Planner, directions: Vec<Angle>) -> Option<Directed> {
+    let mut directed = Directed { best: None, times: Vec::new(), is_too_long: false };
+    for direction in directions {
+        match planner.plan(direction) {
+            Ok(plan) => {
+                directed.times.push((direction, Some(Time::computed(plan.tour.figures.seconds))));
+                let is_long = plan.tour.points.len() > ONE_DIRECTION || planner.milled_points.get() >= MOST_POINTS;
+                if directed.best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best)) {
+                    directed.best = Some(plan);
+                }
+                if is_long {
+                    break;
+                }
+            }
+            Err(NoPlan::Stopped) => return None,
+            Err(NoPlan::NoLines | NoPlan::NoRuns) => directed.times.push((direction, None)),
+            Err(NoPlan::TooLong) => {
+                directed.is_too_long = true;
+                break;
+            }
+        }
+    }
+    Some(directed)
 }
 
 /// The estimated time of each candidate in its best direction, `None` for one that `rank` would not rank. It takes

@@ -122,14 +122,12 @@ impl MeshBuilder {
             }
             each(corners);
         }
+        let is_kept = |place: u32| duplicates.binary_search(&place).is_err();
         let mut numbers = self.numbers.take().unwrap_or_else(|| (0..).take(self.triangles.len()).collect());
-        let (mut place, mut place_of_number) = (0, 0);
-        let is_kept = |place: &mut u32| {
-            *place += 1;
-            duplicates.binary_search(&(*place - 1)).is_err()
-        };
-        self.triangles.retain(|_| is_kept(&mut place));
-        numbers.retain(|_| is_kept(&mut place_of_number));
+        let mut places = 0..;
+        numbers.retain(|_| places.next().is_none_or(is_kept));
+        let mut places = 0..;
+        self.triangles.retain(|_| places.next().is_none_or(is_kept));
         self.numbers = Some(numbers);
         self.duplicates += duplicates.len() as u64;
     }

@@ -72,6 +72,14 @@ impl fmt::Display for SelectionError {
 
 impl std::error::Error for SelectionError {}
 
+impl SelectionError {
+    /// Whether it is about the numbers of facets.
+    #[must_use]
+    pub fn is_about_facets(self) -> bool {
+        matches!(self, Self::NoFacetOrder | Self::UnknownFacet { .. } | Self::FacetRange)
+    }
+}
+
 impl Selection {
     /// Every facet.
     #[must_use]
@@ -104,9 +112,7 @@ impl Selection {
     pub fn with_pieces(self, pieces: Vec<u32>) -> Result<Self, SelectionError> {
         if pieces.is_empty() { Err(SelectionError::NoPieces) } else { Ok(Self { pieces: Some(pieces), ..self }) }
     }
-}
 
-impl Selection {
     /// Only facets in these ranges, each from its first to its last number in the order of the file, from 0. Facets that
     /// the mesh leaves out count.
     ///
@@ -115,12 +121,6 @@ impl Selection {
     pub fn with_facets(self, ranges: Vec<[u32; 2]>) -> Result<Self, SelectionError> {
         let in_order = ranges.iter().all(|[first, last]| first <= last);
         if in_order { Ok(Self { facets: Some(ranges), ..self }) } else { Err(SelectionError::FacetRange) }
-    }
-
-    /// Whether a fault is about facets' numbers.
-    #[must_use]
-    pub fn is_about_facets(error: SelectionError) -> bool {
-        matches!(error, SelectionError::NoFacetOrder | SelectionError::UnknownFacet { .. } | SelectionError::FacetRange)
     }
 }
 
