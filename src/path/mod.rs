@@ -28,4 +28,4 @@ pub use milled::{Left, Milled};
 pub use moves::{Move, MoveKind};
 pub use places::{Place, Places};
 pub use standing::{Obstacles, Reach};
-pub use tip_line::{Tip, tips_between, tips_of_lines};
+pub use tip_line::{Tip, sample_step, tips_between, tips_of_lines};

@@ -75,7 +75,8 @@ pub fn tips_of_lines(
 
 /// The distance in mm between samples from which refinement starts: sqrt(2 r tolerance), at least R/50; R/20 for a profile
 /// of corners.
-pub(super) fn first_step(profile: &Profile, tolerance: f64) -> f64 {
+#[must_use]
+pub fn sample_step(profile: &Profile, tolerance: f64) -> f64 {
     let radius = profile.outer_radius();
     let radii = profile.arcs().iter().map(|arc| arc.radius).filter(|r| *r > 0.0);
     match radii.min_by(f64::total_cmp) {
@@ -132,7 +133,7 @@ impl<'a> Line<'a> {
 
     /// The tips, close enough for chords to keep their share of the tolerance.
     fn samples(&self, tolerance: f64) -> Vec<Tip> {
-        let parts = (self.length / first_step(self.profile, tolerance)).ceil().max(1.0);
+        let parts = (self.length / sample_step(self.profile, tolerance)).ceil().max(1.0);
         let step = self.length / parts;
         let mut last = self.sample(0.0, None);
         let mut tips = Vec::new();

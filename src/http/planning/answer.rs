@@ -114,7 +114,7 @@ answer! {
     #[derive(Clone)]
     struct PlannedFigures of (plan: &CandidatePlan) {
         /// `milled`: the time and all figures are those of the tips' path, milled; `estimated`: the cutter's estimated time is
-        /// more than 1.5 times the shortest, or eight other cutters have shorter ones, or paths have too many points, and its
+        /// more than 1.5 times the shortest, or eight other cutters have shorter ones, or paths are too long, and its
         /// path was not milled.
         figures: FiguresSource [required = false] = if plan.milled.is_some() { FiguresSource::Milled } else { FiguresSource::Estimated },
         /// The share of the area that is left over the scallop height because the cutter does not fit.

@@ -24,6 +24,9 @@ const FEWEST_ROUNDS: usize = 3;
 const ROUNDS: usize = 6;
 const WORTHWHILE: f64 = 0.01;
 
+/// The most samples of a path's lines, some four seconds on two threads.
+const MOST_SAMPLES: usize = 4_000_000;
+
 /// A plan is taken as it is once this share of the area, at most, is over the scallop height.
 const ENOUGH: f64 = 0.002;
 
@@ -44,7 +47,7 @@ pub(super) enum NoPlan {
     NoLines,
     /// The lines meet nothing that the cutter reaches.
     NoRuns,
-    /// The path has more points than one is milled with.
+    /// The path is longer than one that is milled.
     TooLong,
     /// `stop` returned true.
     Stopped,
@@ -61,8 +64,8 @@ pub(super) struct Planner<'a> {
     pub(super) unseen: &'a [Station],
     /// The feet of walls, once a plan needs them.
     pub(super) feet: OnceCell<Feet>,
-    /// The points of all paths milled so far.
-    pub(super) milled_points: &'a Cell<usize>,
+    /// The samples of all lines planned so far.
+    pub(super) samples: &'a Cell<usize>,
     pub(super) stop: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -87,6 +90,11 @@ impl Planner<'_> {
         let mut best: Option<MilledPlan> = None;
         for round in 1..=ROUNDS {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
+            let samples = maker.samples(&lines);
+            if samples > MOST_SAMPLES {
+                return Err(NoPlan::TooLong);
+            }
+            self.samples.set(self.samples.get() + samples);
             let mut runs = maker.runs(&lines).ok_or(NoPlan::TooLong)?;
             if stop() {
                 return Err(NoPlan::Stopped);
@@ -124,7 +132,6 @@ impl Planner<'_> {
         let Self { workpiece, prepared, settings, stations, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let tour = Tour::of(workpiece, prepared, settings, runs, maker.chord_tolerance);
-        self.milled_points.set(self.milled_points.get() + tour.points.len());
         let milled = Milled::new(&prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
         let judged = judged(workpiece, stations, prepared, maker.heading.along, &milled, height, stop).ok_or(NoPlan::Stopped)?;
         let finish = FinishFigures::of(stations, &judged, height);

@@ -32,10 +32,10 @@ const FAR_BEHIND: f64 = 1.5;
 /// The candidates that are milled at most, those with the shortest estimates. A library has 200, and a path takes seconds.
 const MOST_CANDIDATES: usize = 8;
 
-/// The points of paths that are milled at most for all candidates, some ten seconds on two threads, and those of a path from
-/// which on a candidate is milled in one direction only.
-const MOST_POINTS: usize = 2_000_000;
-const ONE_DIRECTION: usize = 100_000;
+/// The samples of lines that are planned at most for all candidates, some twenty seconds on two threads, and those of a
+/// direction's plans from which on a candidate is planned in no other.
+const MOST_SAMPLES: usize = 20_000_000;
+const ONE_DIRECTION: usize = 3_000_000;
 
 /// The share of the area that a path may leave more than 2 % over the scallop height and still keep it.
 const KEPT: f64 = 0.005;
@@ -71,7 +71,7 @@ pub struct CandidatePlan {
     /// The time of all runs and links: of the tips' path, or estimated.
     pub time: Time,
     /// The milled plan. It is `None`, and the time is an estimate, for a candidate that is too far behind or not among the
-    /// eight with the shortest estimates, and for paths of too many points.
+    /// eight with the shortest estimates, and for paths that are too long.
     pub milled: Option<MilledFigures>,
     /// The share of the area that the cutter leaves over the scallop height because it does not fit, and the largest height
     /// left there: of the milled path, or estimated.
@@ -258,27 +258,19 @@ pub fn rank(
     let last = shortest.get(MOST_CANDIDATES - 1).copied().unwrap_or(f64::INFINITY);
     let limit = shortest.first().map_or(0.0, |shortest| (FAR_BEHIND * shortest).min(last));
     let [many, unseen] = [1, 2].map(|seed| drawn(workpiece, JUDGED_ON, seed));
-    let milled_points = Cell::new(0);
+    let samples = Cell::new(0);
     let mut plans = Vec::new();
     estimated.sort_by(|a, b| a.shortest().total_cmp(&b.shortest()));
     for of_candidate in estimated {
         let index = of_candidate.prepared.index;
-        if of_candidate.shortest() > limit || milled_points.get() >= MOST_POINTS {
+        if of_candidate.shortest() > limit || samples.get() >= MOST_SAMPLES {
             plans.push(of_candidate.unmilled(workpiece, settings));
             continue;
         }
         let prepared = &of_candidate.prepared;
         let [on, unseen] = [&many, &unseen].map(|places| stations(workpiece, &prepared.profile, places, height, stop));
-        let planner = Planner {
-            workpiece,
-            prepared,
-            settings,
-            stations: &on,
-            unseen: &unseen,
-            feet: OnceCell::new(),
-            milled_points: &milled_points,
-            stop,
-        };
+        let planner =
+            Planner { workpiece, prepared, settings, stations: &on, unseen: &unseen, feet: OnceCell::new(), samples: &samples, stop };
         let Directed { best, times, is_too_long } = in_best_direction(&planner, of_candidate.to_mill())?;
         match best {
             Some(best) => plans.push(of_candidate.milled(workpiece, settings, best, &times)),
@@ -310,14 +302,16 @@ struct Directed {
 fn in_best_direction(planner: &Planner, directions: Vec<Angle>) -> Option<Directed> {
     let mut directed = Directed { best: None, times: Vec::new(), is_too_long: false };
     for direction in directions {
-        match planner.plan(direction) {
+        let before = planner.samples.get();
+        let plan = planner.plan(direction);
+        let after = planner.samples.get();
+        match plan {
             Ok(plan) => {
                 directed.times.push((direction, Some(Time::computed(plan.tour.figures.seconds))));
-                let is_long = plan.tour.points.len() > ONE_DIRECTION || planner.milled_points.get() >= MOST_POINTS;
                 if directed.best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best)) {
                     directed.best = Some(plan);
                 }
-                if is_long {
+                if after - before > ONE_DIRECTION || after >= MOST_SAMPLES {
                     break;
                 }
             }

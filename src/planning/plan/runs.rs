@@ -5,7 +5,7 @@ use super::spread::{Heading, Spread};
 use super::travel;
 use super::workpiece::Workpiece;
 use crate::motion::Machine;
-use crate::path::{Touch, tips_between};
+use crate::path::{Touch, sample_step, tips_between};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -68,9 +68,8 @@ pub(super) fn target_under(workpiece: &Workpiece, prepared: &Prepared, axis: [f6
     workpiece.finished_by(touch)
 }
 
-/// The most tips of a path: of some 200 m on a curved part. It bounds the memory of a plan, some 200 MB, and the time that it
-/// takes.
-pub(super) const MOST_TIPS: usize = 400_000;
+/// The most tips of a path: of some 200 m on a curved part. It bounds the memory of a plan, some 200 MB.
+const MOST_TIPS: usize = 400_000;
 
 /// The width in mm to which the end of a run is narrowed down.
 const END: f64 = 1e-3;
@@ -120,15 +119,15 @@ impl RunMaker<'_> {
     /// The runs of all lines, sorted by line and then along it; `None` if they have more than `MOST_TIPS` tips.
     pub(super) fn runs(&self, lines: &[f64]) -> Option<Vec<Run>> {
         let tips = AtomicUsize::new(0);
-        let of_line = |(line, &across): (usize, &f64)| {
+        let of_line = |line: usize| {
             if (self.stop)() || tips.load(Ordering::Relaxed) > MOST_TIPS {
                 return Vec::new();
             }
-            let runs = self.runs_of_line(line, across, lines);
+            let runs = self.runs_of_line(line, lines);
             tips.fetch_add(runs.iter().map(|run| run.tips.len()).sum(), Ordering::Relaxed);
             runs
         };
-        let mut runs: Vec<Run> = lines.par_iter().enumerate().flat_map_iter(of_line).collect();
+        let mut runs: Vec<Run> = (0..lines.len()).into_par_iter().flat_map_iter(of_line).collect();
         if tips.into_inner() > MOST_TIPS {
             return None;
         }
@@ -136,22 +135,31 @@ impl RunMaker<'_> {
         Some(runs)
     }
 
-    fn runs_of_line(&self, line: usize, across: f64, lines: &[f64]) -> Vec<Run> {
+    /// About how many samples the lines take: it bounds the time of a plan before it begins.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+    pub(super) fn samples(&self, lines: &[f64]) -> usize {
+        let length: f64 = (0..lines.len()).filter_map(|position| self.line(position, lines)).map(|(_, [first, last])| last - first).sum();
+        (length / sample_step(&self.prepared.profile, self.chord_tolerance)) as usize
+    }
+
+    /// A line, and the first and the last station along it between its neighbours; `None` if there are none.
+    fn line(&self, position: usize, lines: &[f64]) -> Option<(Line, [f64; 2])> {
+        let across = lines[position];
         let radius = self.prepared.profile.outer_radius();
         let distance = |other: Option<usize>| other.and_then(|other| lines.get(other)).map(|other| (other - across).abs());
-        let (before, after) = (distance(line.checked_sub(1)), distance(line.checked_add(1)));
+        let (before, after) = (distance(position.checked_sub(1)), distance(position.checked_add(1)));
         // A line at the border is as far from it as half its other spacing.
         let [before, after] = [before.or(after).unwrap_or(radius), after.or(before).unwrap_or(radius)];
-        let position = line;
-        let line = Line { across, half: [before / 2.0, after / 2.0] };
-        let strip = self.spread.between(across - before, across + after);
         let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        for seen in strip {
+        for seen in self.spread.between(across - before, across + after) {
             (first, last) = (first.min(seen.along), last.max(seen.along));
         }
-        if first > last {
-            return Vec::new();
-        }
+        (first <= last).then_some((Line { across, half: [before / 2.0, after / 2.0] }, [first, last]))
+    }
+
+    fn runs_of_line(&self, position: usize, lines: &[f64]) -> Vec<Run> {
+        let Some((line, [first, last])) = self.line(position, lines) else { return Vec::new() };
+        let (across, radius) = (line.across, self.prepared.profile.outer_radius());
         let ends = [self.beyond_targets(first, -1.0, &line), self.beyond_targets(last, 1.0, &line)];
         let ends = ends.map(|along| self.heading.point([along, across]));
         let floor = self.workpiece.bounds[0][2] - 2.0 * radius;

@@ -26,7 +26,7 @@ impl Default for SurfaceEvidence {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SurfaceWeakness {
-    /// Paths of plans with shorter estimated times have too many points to be milled, or all have. Figure: their number.
+    /// Paths of plans with shorter estimated times are too long to be milled, or all are. Figure: their number.
     NotMilled,
     /// The fastest cutter has no teeth and spindle speed and is timed at the machine's feed rate, others are timed at their
     /// own. Figure: the number of these others.
@@ -63,7 +63,7 @@ impl fmt::Display for Reason<SurfaceWeakness> {
         match self.weakness {
             SurfaceWeakness::NotMilled => write!(
                 f,
-                "{figure:.0} candidates with shorter estimated times have paths of too many points to be milled; their figures are estimates"
+                "{figure:.0} candidates with shorter estimated times have paths too long to be milled; their figures are estimates"
             ),
             SurfaceWeakness::AssumedFeed => write!(
                 f,
