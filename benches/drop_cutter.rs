@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 use scallopd::milling::Profile;
-use scallopd::path::{Area, DropCutter, tips_between, waterlines};
+use scallopd::path::{Area, DropCutter, LevelMap, Sampling, tips_between};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -85,11 +85,11 @@ fn main() {
             };
             report(name, "a drop", measured(|| each(false)).0 / count);
             report(name, "a drop beside the one before", measured(|| each(true)).0 / count);
-            let line = || tips_between(&drop, &profile, [0.0, 20.0], [SIDE, 41.0], 0.002, None);
+            let line = || tips_between(&drop, &profile, [0.0, 20.0], [SIDE, 41.0], &Sampling::fine(&profile, 0.002), None);
             let (seconds, tips) = measured(line);
             report(name, &format!("a line, {} tips", tips.len()), seconds);
             let area = Area { min: [-6.0; 2], max: [SIDE + 6.0; 2], cell: 0.5 };
-            let lines = || waterlines(&drop, &profile, &[8.0], &area, 0.005, &|| false);
+            let lines = || LevelMap::new(&drop, &profile, &area, &|| false).waterlines(&[8.0], 0.005, &|| false);
             report(name, "a waterline, all threads", measured(lines).0);
         }
     }

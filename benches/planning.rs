@@ -5,7 +5,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Matrix3;
 use scallopd::milling::{Cutter, Model};
 use scallopd::motion::{Preset, travel_time};
-use scallopd::planning::{InclinedRectangle, Job, critical_slope};
+use scallopd::planning::{CutterComparison, InclinedRectangle, critical_slope};
 use scallopd::quantity::Length;
 use scallopd::surface::PrincipalAxes;
 use std::hint::black_box;
@@ -17,7 +17,7 @@ fn mm(value: f64) -> Length {
 fn planning(criterion: &mut Criterion) {
     let machine = Preset::named("five_axis_vmc").expect("a preset").limits;
     let toroidal = Cutter::toroidal(mm(10.0), mm(2.0)).expect("a corner under 5 mm");
-    let job = Job::new(toroidal, Cutter::ball_end(mm(10.0)), mm(0.01), machine, Model::Analytic).expect("a job");
+    let job = CutterComparison::new(toroidal, Cutter::ball_end(mm(10.0)), mm(0.01), machine, Model::Analytic).expect("a job");
     let mut group = criterion.benchmark_group("planning");
     for (name, length) in [("0.1 mm", 0.1), ("5 mm", 5.0), ("500 mm", 500.0)] {
         group.bench_function(format!("travel time of {name}"), |b| b.iter(|| travel_time(black_box(mm(length)), machine)));

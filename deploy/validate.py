@@ -1,4 +1,4 @@
-"""Checks that no schema covers: the files of Prometheus and Grafana, and the references between the parts."""
+"""Checks that no schema covers: the files of Prometheus and Grafana, the references between the parts, and the image's build context."""
 
 import json
 import pathlib
@@ -82,7 +82,32 @@ def check_dashboard():
     check(any(variable["current"].get("value") == datasource for variable in dashboard["templating"]["list"]), "the data source is another")
 
 
-for part in (check_alerts, check_prometheus, check_compose, check_dashboard):
+def check_build_context():
+    """Every file that a build has read is in the image's build context. Cargo lists the files beside the program."""
+    root = DEPLOY.parent
+    lists = [path for path in (root / "target").glob("*/scallopd.d") if path.is_file()]
+    if not lists:
+        print("no build is here whose files could be compared with .dockerignore")
+    ignored = [line for line in (root / ".dockerignore").read_text().splitlines() if line and not line.startswith("#")]
+    for path in lists:
+        names = re.split(r"(?<!\\) ", path.read_text().partition(": ")[2].strip())
+        for name in (pathlib.Path(name) for name in names):
+            if name.is_relative_to(root):
+                relative = name.relative_to(root)
+                check(is_in_context(relative, ignored), f"the build reads {relative}, which .dockerignore leaves out")
+
+
+def is_in_context(path, ignored):
+    """Whether the lines of .dockerignore leave a file in: the last that names it or a folder of it decides."""
+    within = True
+    for line in ignored:
+        pattern = pathlib.PurePath(line.removeprefix("!"))
+        if str(pattern) == "*" or pattern == path or pattern in path.parents:
+            within = line.startswith("!")
+    return within
+
+
+for part in (check_alerts, check_prometheus, check_compose, check_dashboard, check_build_context):
     part()
-print("\n".join(faults) or "Prometheus, Grafana and compose files agree")
+print("\n".join(faults) or "Prometheus, Grafana, compose files and the build context agree")
 sys.exit(bool(faults))

@@ -5,6 +5,7 @@
 //! cargo run --release --example analytic_shortfall > docs/analytic-shortfall.md
 //! ```
 
+#[allow(dead_code, reason = "the tests simulate more shapes")]
 #[path = "../tests/simulation/solid.rs"]
 mod solid;
 
@@ -57,7 +58,7 @@ fn compare(slope_deg: f64, alpha_deg: f64, feed: f64) -> Result<Comparison, NoAn
     let step_over = analytic.max_step_over(mm(STEP_OVER_HEIGHT), None)?;
     let envelope = Envelope::new(pass)?.scallop_height(step_over, Some(mm(feed))).map(ScallopHeight::total)?.mm();
     let setup = Setup {
-        solid: Solid { outer_radius: OUTER_RADIUS, corner_radius: CORNER_RADIUS },
+        solid: Solid::torus(OUTER_RADIUS, CORNER_RADIUS),
         slope_deg,
         theta_deg: contact.theta().radians().to_degrees(),
         step_over: step_over.mm(),

@@ -113,8 +113,9 @@ impl FormFactor {
 }
 
 quantity! {
-    /// A computed span of time: finite and not negative, in seconds.
+    /// A span of time: finite and not negative, in seconds. A user-supplied one is at most a day.
     Time: seconds in "s";
+    stated: from_s(seconds in "s": 0.0 to 86_400.0) = seconds;
     computed: at least 0.0;
 }
 

@@ -3,13 +3,14 @@
 
 import { el } from './dom.js';
 import { TERMS } from './terms.js';
-import { factorOf, formatInput, parseInput, roundStep, unitOf, units } from './units.js';
+import { factorOf, formatInput, inUnits, parseInput, roundStep, unitOf } from './units.js';
 
 let lastId = 0;
 
 /**
  * A field. `description` is {name, choices?, segmented?, text?, label?, value?, optional?}: with `choices` (pairs of value and
- * label) a select or a row of radio buttons, with `text` a plain text, otherwise a number of the glossary's kind.
+ * label) a select or a row of radio buttons, with `text` a plain text, which has several lines if it is "lines", otherwise a number of the
+ * glossary's kind.
  */
 export class Field {
   #kind;
@@ -17,25 +18,32 @@ export class Field {
   #unit;
   #inputs;
   #typed = false;
+  #choices;
+  // The defaults in the two systems of units, in the service's unit.
+  #metric;
+  #inch;
 
   constructor(description, onChange) {
     const { name, choices, segmented, text, optional } = description;
     const { label, kind, help } = { ...TERMS[name], ...(description.label && { label: description.label }), ...(description.help && { help: description.help }) };
     this.name = name;
     this.#kind = choices || text ? undefined : kind;
-    this.value = description.value;
+    this.value = this.initial = description.value;
+    this.#choices = choices?.map(([choice]) => String(choice));
+    this.#metric = description.value;
+    this.#inch = description.inch;
     this.onChange = onChange;
     const id = `field-${(lastId += 1)}`;
     const faultId = `${id}-fault`;
     this.#fault = el('p', { class: 'fault', id: faultId, hidden: true });
     if (segmented) {
-      this.#inputs = choices.map(([value], index) => el('input', { type: 'radio', name: id, id: `${id}-${index}`, value, onchange: () => this.#take(value) }));
+      this.#inputs = choices.map(([value, text], index) => el('input', { type: 'radio', name: id, id: `${id}-${index}`, value, 'aria-label': text, onchange: () => this.#take(value) }));
       const options = choices.map(([, text], index) => [this.#inputs[index], el('label', { for: `${id}-${index}` }, text)]);
       this.element = el('fieldset', { class: 'field segmented', 'data-field': name }, el('legend', { 'data-help': help }, label), el('div', { class: 'segments' }, options), this.#fault);
     } else {
       const control = choices
         ? el('select', { id, onchange: () => this.#take(control.value) }, choices.map(([value, text]) => el('option', { value }, text)))
-        : el('input', { id, autocomplete: 'off', spellcheck: 'false', inputmode: text ? 'text' : 'decimal', placeholder: optional ?? null });
+        : el(text === 'lines' ? 'textarea' : 'input', { id, rows: text === 'lines' ? '2' : null, autocomplete: 'off', spellcheck: 'false', inputmode: text ? 'text' : 'decimal', placeholder: optional ?? null });
       if (!choices) {
         control.addEventListener('input', () => {
           this.#typed = true;
@@ -78,6 +86,22 @@ export class Field {
     this.onChange(this);
   }
 
+  /** Whether the field can have `value`. */
+  accepts(value) {
+    return !this.#choices || this.#choices.includes(String(value));
+  }
+
+  /** Whether the value is the default. */
+  get isDefault() {
+    return this.value === this.initial;
+  }
+
+  /** Makes the default that of inches or of millimetres, which `isTaken` if nothing was changed. */
+  useUnits(isInch, isTaken) {
+    this.initial = isInch && this.#inch !== undefined ? this.#inch : this.#metric;
+    if (isTaken) this.set(this.initial);
+  }
+
   set(value) {
     this.value = value;
     this.show();
@@ -95,6 +119,7 @@ export class Field {
 
   /** Replaces the choices of a select. */
   offer(choices) {
+    this.#choices = choices.map(([value]) => String(value));
     this.#inputs[0].replaceChildren(...choices.map(([value, text]) => el('option', { value }, text)));
     this.show();
   }
@@ -114,6 +139,15 @@ export class Field {
         input.removeAttribute('aria-errormessage');
       }
     }
+  }
+
+  get kind() {
+    return this.#kind;
+  }
+
+  /** Marks a text where a number is expected, also one that no request contains. */
+  markText() {
+    if (this.#kind && typeof this.value === 'string' && this.shown) this.fault(`expected a number, found “${this.value}”`);
   }
 
   get shown() {
@@ -154,13 +188,45 @@ export class Form {
     return Object.fromEntries([...this.#fields].filter(([, field]) => field.value !== undefined).map(([name, field]) => [name, field.value]));
   }
 
-  /** Takes the values of a link; a field that it does not name is empty. */
+  /**
+   * Takes the values of a link; a field that it does not name, or with a value that is no choice, has its default. Returns the members that are no
+   * fields or no choices, as texts.
+   */
   take(values) {
-    for (const [name, field] of this.#fields) field.set(values[name]);
+    const isKnown = ([name, value]) => value === undefined || this.#fields.get(name)?.accepts(value);
+    const known = Object.fromEntries(Object.entries(values).filter(isKnown));
+    for (const [name, field] of this.#fields) field.set(name in known ? known[name] : field.initial);
+    return Object.entries(values).filter((entry) => !isKnown(entry)).map(([name, value]) => `${name}=${typeof value === 'object' ? JSON.stringify(value) : value}`);
+  }
+
+  /** The defaults. */
+  initial() {
+    return Object.fromEntries([...this.#fields].map(([name, field]) => [name, field.initial]));
+  }
+
+  /** Takes the values that are named; the other fields keep theirs. */
+  takeKnown(values) {
+    for (const [name, field] of this.#fields) if (name in values) field.set(values[name]);
   }
 
   show() {
     for (const field of this.#fields.values()) field.show();
+  }
+
+  /** Takes the defaults of inches or of millimetres, if nothing was changed: a value that was chosen is kept, and so are those around it. */
+  useUnits(isInch, mayChange = true) {
+    const isTaken = mayChange && [...this.#fields.values()].every(({ isDefault }) => isDefault);
+    for (const field of this.#fields.values()) field.useUnits(isInch, isTaken);
+  }
+
+  /** Marks the texts in fields of numbers. */
+  markTexts() {
+    for (const field of this.#fields.values()) field.markText();
+  }
+
+  /** The state for a link: the values, and an empty text where a default was deleted. */
+  state() {
+    return Object.fromEntries([...this.#fields].filter(([, field]) => field.value !== undefined || field.initial !== undefined).map(([name, field]) => [name, field.value ?? '']));
   }
 
   clearFaults() {
@@ -177,10 +243,8 @@ export function placeFaults(problem, fieldFor) {
   const elsewhere = [];
   for (const { pointer, detail } of faults) {
     const field = fieldFor(pointer);
-    // The service states lengths in millimetres.
-    const text = units() === 'inch' && pointer.endsWith('_mm') && !/\bmm\b/.test(detail) ? `${detail} (in mm)` : detail;
-    if (field?.shown) field.fault(text);
-    else elsewhere.push(pointer ? `${pointer}: ${detail}` : detail);
+    if (field?.shown) field.fault(inUnits(detail, field.kind));
+    else elsewhere.push(pointer ? `${pointer}: ${inUnits(detail)}` : inUnits(detail));
   }
   return elsewhere;
 }

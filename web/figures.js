@@ -2,7 +2,7 @@
 
 import { el } from './dom.js';
 import { TERMS, inWords } from './terms.js';
-import { format, unitOf } from './units.js';
+import { format, inUnits, unitOf } from './units.js';
 
 /** The value alone, as `<data value="full precision" data-figure="name">`. */
 export function valueOf(name, value, kind = TERMS[name]?.kind) {
@@ -34,7 +34,7 @@ const capitalized = (text) => text[0].toUpperCase() + text.slice(1);
 /** The reasons of a confidence: what each is about, and what was found. */
 export function reasonList(reasons) {
   if (!reasons?.length) return null;
-  return el('ul', { class: 'reasons' }, reasons.map(({ code, level, detail }) => el('li', { class: level }, el('b', {}, `${capitalized(inWords(code))}.`), ` ${capitalized(detail)}.`)));
+  return el('ul', { class: 'reasons' }, reasons.map(({ code, level, detail }) => el('li', { class: level }, el('b', {}, `${capitalized(inWords(code))}.`), ` ${capitalized(inUnits(detail))}.`)));
 }
 
 /** The warnings of an answer; nothing where there are none. */
@@ -43,6 +43,6 @@ export function warningList(warnings) {
   return el(
     'ul',
     { class: 'warnings' },
-    warnings.map(({ code, detail, contacts }) => el('li', {}, el('b', {}, `${capitalized(inWords(code))}.`), ` ${capitalized(detail)}${contacts > 1 ? ` (${contacts} contacts)` : ''}.`)),
+    warnings.map(({ code, detail, contacts }) => el('li', {}, el('b', {}, `${capitalized(inWords(code))}.`), ` ${capitalized(inUnits(detail))}${contacts > 1 ? ` (${contacts} contacts)` : ''}.`)),
   );
 }

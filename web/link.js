@@ -14,7 +14,7 @@ export function readFragment(fragment) {
   let unitsInUse;
   for (const [name, text] of new URLSearchParams(query)) {
     if (name === 'units') unitsInUse = text;
-    else values[name] = valueOf(text);
+    else values[name] = text === '' ? undefined : valueOf(text);
   }
   return { view, units: unitsInUse, values: query ? values : null };
 }

@@ -1,9 +1,12 @@
-// One tooltip for the page: shown for an element with `data-help` under the pointer or with the focus, hidden by Escape.
+// One tooltip for the page: shown for an element with `data-help` after the pointer rests on it or with the keyboard's focus, hidden by Escape
+// and by typing. It never covers the next field: beside the panel, or above.
 
 import { el } from './dom.js';
 
 const bubble = el('div', { id: 'tooltip', role: 'tooltip', hidden: true });
+const RESTS_MS = 350;
 let shownFor = null;
+let resting = null;
 
 function show(owner) {
   if (shownFor === owner) return;
@@ -14,12 +17,15 @@ function show(owner) {
   owner.setAttribute('aria-describedby', bubble.id);
   const box = owner.getBoundingClientRect();
   const { width, height } = bubble.getBoundingClientRect();
-  const below = box.bottom + 6 + height < innerHeight;
-  bubble.style.left = `${Math.max(8, Math.min(box.left, innerWidth - width - 8))}px`;
-  bubble.style.top = `${below ? box.bottom + 6 : Math.max(4, box.top - height - 6)}px`;
+  const panel = owner.closest('.panel')?.getBoundingClientRect();
+  const isBeside = panel && panel.right + width + 16 < innerWidth;
+  const isBelow = !owner.closest('.field') && box.bottom + 6 + height < innerHeight;
+  bubble.style.left = `${isBeside ? panel.right + 6 : Math.max(8, Math.min(box.left, innerWidth - width - 8))}px`;
+  bubble.style.top = `${isBeside ? Math.min(box.top, innerHeight - height - 8) : isBelow ? box.bottom + 6 : Math.max(4, box.top - height - 6)}px`;
 }
 
 function hide() {
+  clearTimeout(resting);
   shownFor?.removeAttribute('aria-describedby');
   shownFor = null;
   bubble.hidden = true;
@@ -31,7 +37,8 @@ export function startTooltips() {
   const ownerOf = (event) => (event.target instanceof Element ? event.target.closest('[data-help]') : null);
   document.addEventListener('pointerover', (event) => {
     const owner = ownerOf(event);
-    if (owner) show(owner);
+    clearTimeout(resting);
+    if (owner) resting = setTimeout(() => owner.isConnected && show(owner), RESTS_MS);
     else if (shownFor && !shownFor.matches(':focus-visible')) hide();
   });
   document.addEventListener('focusin', (event) => {
@@ -41,5 +48,6 @@ export function startTooltips() {
   });
   document.addEventListener('focusout', hide);
   document.addEventListener('scroll', hide, { passive: true, capture: true });
+  document.addEventListener('input', hide);
   document.addEventListener('keydown', (event) => event.key === 'Escape' && hide());
 }

@@ -6,6 +6,7 @@ const INCH = 25.4;
 const KINDS = {
   length: { mm: ['mm', 1, 4], inch: ['in', 1 / INCH, 4] },
   height: { mm: ['µm', 1000, 4], inch: ['thou', 1000 / INCH, 4] },
+  roughness: { mm: ['µm', 1, 3], inch: ['µin', 1000 / INCH, 3] },
   curvature: { mm: ['1/mm', 1, 4], inch: ['1/in', INCH, 4] },
   feedRate: { mm: ['mm/min', 1, 4], inch: ['in/min', 1 / INCH, 4] },
   area: { mm: ['mm²', 1, 4], inch: ['in²', 1 / INCH ** 2, 4] },
@@ -13,7 +14,7 @@ const KINDS = {
   acceleration: { mm: ['m/s²', 1, 4] },
   jerk: { mm: ['m/s³', 1, 4] },
   angle: { mm: ['°', 1, 4] },
-  speed: { mm: ['rev/min', 1, 5] },
+  speed: { mm: ['rpm', 1, 5] },
   share: { mm: ['%', 100, 3] },
   time: { mm: ['s', 1, 4] },
   count: { mm: ['', 1, 0] },
@@ -74,14 +75,54 @@ export function formatInput(value, kind) {
   return String(Number((value * factorOf(kind)).toPrecision(7)));
 }
 
-/** The service's value of a typed text; other text is returned as it is, for the service to report. */
+// Service values per typed unit, by kind.
+const LENGTHS = { um: 1e-3, µm: 1e-3, μm: 1e-3, mm: 1, cm: 10, m: 1000, in: INCH, inch: INCH, '"': INCH, '″': INCH, mil: INCH / 1000, thou: INCH / 1000 };
+const TYPED = {
+  length: LENGTHS,
+  height: LENGTHS,
+  roughness: { um: 1, µm: 1, μm: 1, uin: 0.0254, µin: 0.0254 },
+  feedRate: { 'mm/min': 1, 'm/min': 1000, 'in/min': INCH, ipm: INCH, 'mm/s': 60 },
+  curvature: { '1/mm': 1, '1/m': 1e-3, '1/in': 1 / INCH },
+  angle: { '°': 1, deg: 1, rad: 180 / Math.PI },
+  share: { '%': 0.01 },
+  speed: { rpm: 1, '1/min': 1, 'rev/min': 1 },
+  acceleration: { 'm/s²': 1, 'm/s2': 1, 'mm/s2': 1e-3, g: 9.80665 },
+  jerk: { 'm/s³': 1, 'm/s3': 1 },
+};
+
+// A number with a decimal point or comma, a fraction such as 1/2, or a whole number with a fraction.
+function numberOf(text) {
+  const [, whole, over, under] = /^([+-]?\d+\s+)?([+-]?[\d.]+)\s*\/\s*([\d.]+)$/.exec(text) ?? [];
+  if (under !== undefined) return Number(whole ?? 0) + (Math.sign(Number(whole ?? 1)) || 1) * (Number(over) / Number(under));
+  return text === '' ? Number.NaN : Number(/^[^.]*,[^.,]*$/.test(text) ? text.replace(',', '.') : text);
+}
+
+/**
+ * The service's value of a typed text: a number in the unit in use, or with a unit of its own such as 0.5in, 1/2 or 10um. Other text is returned
+ * as it is, for the service to report.
+ */
 export function parseInput(text, kind) {
   const typed = text.trim();
   if (typed === '') return undefined;
-  const number = Number(/^[^.]*,[^.,]*$/.test(typed) ? typed.replace(',', '.') : typed);
-  if (!Number.isFinite(number)) return typed;
+  const plain = numberOf(typed);
   const factor = factorOf(kind);
-  return factor === 1 ? number : Number((number / factor).toPrecision(12));
+  if (Number.isFinite(plain)) return factor === 1 ? plain : Number((plain / factor).toPrecision(12));
+  for (const [unit, value] of Object.entries(TYPED[kind] ?? {})) {
+    if (!typed.toLowerCase().endsWith(unit)) continue;
+    const number = numberOf(typed.slice(0, -unit.length).trim());
+    if (Number.isFinite(number)) return Number((number * value).toPrecision(12));
+  }
+  return typed;
+}
+
+const rounded = (value) => String(Number(value.toPrecision(4)));
+
+/** A text of the service in the units in use: lengths in mm, and the bare numbers of a bound if the field's `kind` is known. */
+export function inUnits(text, kind) {
+  const lengths = kind === 'height' ? 'height' : 'length';
+  const named = system === 'inch' || lengths === 'height' ? text.replaceAll(/(-?\d+(?:\.\d+)?) mm(?![²³/\w])/g, (_, number) => `${rounded(number * factorOf(lengths))} ${unitOf(lengths)}`).replaceAll(/(-?\d+(?:\.\d+)?) mm\/min/g, (_, number) => `${rounded(number * factorOf('feedRate'))} ${unitOf('feedRate')}`) : text;
+  if (!kind || factorOf(kind) === 1) return named;
+  return named.replace(/^must be from (-?[\d.]+) to (-?[\d.]+), found the number (-?[\d.e-]+)/, (_, low, high, found) => `must be from ${rounded(low * factorOf(kind))} to ${rounded(high * factorOf(kind))} ${unitOf(kind)}, found ${rounded(found * factorOf(kind))}`);
 }
 
 /** Seconds, or minutes and seconds, or hours, minutes and seconds, whichever suits `longest`, so that the times of a column have one form. */

@@ -22,7 +22,10 @@ def settings():
     """The macros' settings: `finish_milling.json` beside this file, or the file that the variable SCALLOPD_SETTINGS names."""
     beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), "finish_milling.json")
     with open(os.environ.get("SCALLOPD_SETTINGS", beside), encoding="utf-8") as file:
-        return json.load(file)
+        chosen = json.load(file)
+    # The older name of the tolerance.
+    chosen.setdefault("scallop_tolerance_mm", chosen.get("scallop_height_mm"))
+    return chosen
 
 
 # Cutters
@@ -35,6 +38,13 @@ def cutters(chosen):
     return cutters_of_job() if chosen == "job" else chosen
 
 
+def tool_number(settings, place, document=None):
+    """The tool number of the cutter at a place: of the settings' `tool_numbers`, or of the job's tool controllers."""
+    if settings["cutters"] == "job":
+        return controllers_of_job(document)[place].ToolNumber
+    return settings["tool_numbers"][place]
+
+
 def cutter_named(chosen, name):
     """The cutter of that name among the settings' `cutters`."""
     known = {cutter["name"]: cutter for cutter in cutters(chosen)}
@@ -45,14 +55,14 @@ def cutter_named(chosen, name):
 
 def cutters_of_job(document=None):
     """The ball-end, bull-nose and flat cutters among the tool controllers of the document's jobs, with the controllers' speeds."""
-    found = []
-    for job in (document or FreeCAD.ActiveDocument).Objects:
-        # The group is called Tools since 0.19.
-        for controller in getattr(getattr(job, "Tools", None), "Group", []):
-            cutter = cutter_of(controller)
-            if cutter is not None:
-                found.append(cutter)
-    return found
+    return [cutter_of(controller) for controller in controllers_of_job(document)]
+
+
+def controllers_of_job(document=None):
+    """The tool controllers of `cutters_of_job`."""
+    # The group is called Tools since 0.19.
+    groups = [getattr(getattr(job, "Tools", None), "Group", []) for job in (document or FreeCAD.ActiveDocument).Objects]
+    return [controller for group in groups for controller in group if cutter_of(controller) is not None]
 
 
 def cutter_of(controller):
@@ -130,20 +140,20 @@ def visible_shapes():
     return [feature.Shape for feature in features if hasattr(feature, "Shape") and getattr(feature, "Visibility", True)]
 
 
-def recommend(client, faces, cutters, scallop_height_mm, machine, beside=(), **parameters):
+def recommend(client, faces, cutters, scallop_tolerance_mm, machine, beside=(), **parameters):
     """The cutters ranked for the faces, with the passes of the fastest. The faces `beside` them are not cut."""
     # A deviation of a quarter of the scallop height keeps the mesh's error small beside the results.
-    surface = {"mesh": mesh_of(faces, scallop_height_mm / 4)}
+    surface = {"mesh": mesh_of(faces, scallop_tolerance_mm / 4)}
     if beside:
-        parameters["avoid"] = {"mesh": mesh_of(beside, scallop_height_mm / 4)}
-    return client.recommend(surface, cutters, scallop_height_mm, machine, include=PASSES, **parameters)
+        parameters["avoid"] = {"mesh": mesh_of(beside, scallop_tolerance_mm / 4)}
+    return client.recommend(surface, cutters, scallop_tolerance_mm, machine, include=PASSES, **parameters)
 
 
-def choose(client, faces, cutters, scallop_height_mm, machine, recommendation, cutter, **parameters):
+def choose(client, faces, cutters, scallop_tolerance_mm, machine, recommendation, cutter, **parameters):
     """The recommendation with the passes of the cutter number `cutter`, which need not be the fastest."""
     if cutter == recommendation["recommended"]["cutter"]:
         return recommendation
-    return recommend(client, faces, [cutters[cutter]], scallop_height_mm, machine, **parameters)
+    return recommend(client, faces, [cutters[cutter]], scallop_tolerance_mm, machine, **parameters)
 
 
 def ask_for_cutter(recommendation):
@@ -191,16 +201,60 @@ def ranking_dialog(recommendation):
 # Passes to a path
 
 
-def path_of(recommendation, spindle_speed_rpm=None):
-    """The passes of the recommended plan as a `Path.Path`: every link, lift and approach is among them."""
+def path_of(recommendation, spindle_speed_rpm=None, tool_number=None, plunge_rate_mm_min=None, tools=None):
+    """The passes of the recommended plan as a `Path.Path`: every link, lift and approach is among them.
+
+    With `tool_number` the path begins with the change to that tool. `tools` has the number and the spindle speed of each operation's
+    tool in place of both. With `plunge_rate_mm_min` the tool goes straight down at most at this rate, where it otherwise has the feed of
+    the pass."""
     passes = recommendation["passes"]
-    (x, y, z) = passes["tip_mm"][0]
-    commands = [] if spindle_speed_rpm is None else [Path.Command("M3", {"S": spindle_speed_rpm})]
-    # Up first: nobody knows where the tool is.
-    commands += [Path.Command("G0", {"Z": z}), Path.Command("G0", {"X": x, "Y": y})]
-    for move, tip, rate in list(zip(passes["move"], passes["tip_mm"], passes["feed_rate_mm_min"]))[1:]:
-        commands.append(rapid_to(tip) if move == "rapid" else cut_to(tip, rate))
+    tools = tools or [(tool_number, spindle_speed_rpm)]
+    begins = dict(zip(operation_starts(passes), tools))
+    commands, tool, before = [], None, None
+    for index, (move, tip, rate) in enumerate(zip(passes["move"], passes["tip_mm"], passes["feed_rate_mm_min"])):
+        if index in begins:
+            commands += [] if begins[index] == tool else change_to(*begins[index])
+            tool = begins[index]
+            # Up first: nobody knows where the tool is.
+            commands += [Path.Command("G0", {"Z": tip[2]}), Path.Command("G0", {"X": tip[0], "Y": tip[1]})]
+        elif move == "rapid":
+            commands.append(rapid_to(tip))
+        else:
+            slow = plunge_rate_mm_min is not None and is_plunge(before, tip)
+            commands.append(cut_to(tip, min(rate, plunge_rate_mm_min) if slow else rate))
+        before = tip
     return Path.Path(commands)
+
+
+def operation_starts(passes):
+    """The first point of each operation: the one after the retreat to the clearance height that ends the operation before."""
+    starts = [0]
+    runs = list(zip(passes["run_starts"], passes["operation"]))
+    for (_, before), (point, operation) in zip(runs, runs[1:]):
+        if operation != before:
+            while passes["move"][point] != "rapid":
+                point -= 1
+            while passes["move"][point - 1] == "rapid":
+                point -= 1
+            starts.append(point + 1)
+    return starts
+
+
+def change_to(number, spindle_speed_rpm):
+    """The commands that change to a tool and start the spindle, each where it is stated."""
+    change = [] if number is None else [Path.Command("M6", {"T": number})]
+    return change + ([] if spindle_speed_rpm is None else [Path.Command("M3", {"S": spindle_speed_rpm})])
+
+
+def cutters_of_operations(recommendation):
+    """The cutter of each operation of the passes, by its number in the request."""
+    operations = recommendation.get("plan", {}).get("operations") or [recommendation["recommended"]]
+    return [operation["cutter"] for operation in operations]
+
+
+def is_plunge(before, tip):
+    """Whether a move goes straight down."""
+    return tip[2] < before[2] and math.hypot(tip[0] - before[0], tip[1] - before[1]) < 1e-6
 
 
 def rapid_to(tip):
@@ -387,3 +441,39 @@ def path_with_feeds(client, path, faces, cutter, scallop_tolerance_mm, **paramet
     failures = [{**failure, "move": moves[failure["index"]]} for failure in answer["failures"]]
     changed = sum(rate is not None for rate in rates.values())
     return Path.Path(commands), changed, failures
+
+
+# The check of a path
+
+
+def path_checked(client, path, faces, cutter, scallop_tolerance_mm, machine, **parameters):
+    """What the path leaves on the faces, and the path with the largest feeds that keep the scallop height with tooth marks.
+
+    The answer is that of `Client.check_path`; the `line` of a place is the number of the path's command, from 1. A cutter without
+    teeth and spindle speed has no feeds: the path is then returned as it is.
+    """
+    surface = {"mesh": mesh_of(faces, scallop_tolerance_mm / 4)}
+    program = "\n".join(block_of(command) for command in path.Commands)
+    has_teeth = {"teeth", "spindle_speed_rpm"} <= set(cutter)
+    include = ["places", "feeds"] if has_teeth else ["places"]
+    answer = client.check_path(surface, {"program": program}, cutter, scallop_tolerance_mm, machine, include=include, **parameters)
+    if not has_teeth:
+        return answer, path
+    # The points of an arc's chords have one line; the least of their feeds holds for the command.
+    rates = {}
+    for line, rate in zip(answer["feeds"]["line"], answer["feeds"]["feed_rate_mm_min"]):
+        if rate is not None:
+            rates[line] = min(rate, rates.get(line, rate))
+    commands = path.Commands
+    for line, rate in rates.items():
+        command = commands[line - 1]
+        commands[line - 1] = Path.Command(command.Name, {**command.Parameters, "F": rate / SECONDS_PER_MINUTE})
+    return answer, Path.Path(commands)
+
+
+def block_of(command):
+    """A command as a block of a program, in mm and minutes."""
+    if command.Name.startswith("("):
+        return command.Name
+    words = [f"{name}{value * SECONDS_PER_MINUTE if name == 'F' else value:.6f}" for name, value in command.Parameters.items()]
+    return " ".join([command.Name, *words])

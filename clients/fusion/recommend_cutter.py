@@ -18,7 +18,7 @@ def main() -> int:
     parser.add_argument("surface", help="STL, OBJ, PLY, 3MF or text")
     parser.add_argument("library", nargs="+", help="tool library exported by Fusion, .json or .tools")
     parser.add_argument("--server", default="http://127.0.0.1:8080")
-    parser.add_argument("--scallop-height-mm", type=float, default=0.01)
+    parser.add_argument("--scallop-tolerance-mm", "--scallop-height-mm", type=float, default=0.01)
     parser.add_argument("--machine", default="vmc", help="a preset of the server (default: %(default)s)")
     parser.add_argument("--unit", choices=["mm", "inch"], default="mm", help="unit of the surface file; libraries state their own")
     parser.add_argument("--rows", type=int, default=20, help="rows of the table (default: %(default)s)")
@@ -26,7 +26,7 @@ def main() -> int:
     with scallopd.Client(options.server) as client:
         try:
             recommendation = client.recommend_file(
-                options.surface, [], options.scallop_height_mm, options.machine, libraries=options.library, unit=options.unit
+                options.surface, [], options.scallop_tolerance_mm, options.machine, libraries=options.library, unit=options.unit
             )
         except scallopd.NoCutterFits as problem:
             print(problem.detail, file=sys.stderr)

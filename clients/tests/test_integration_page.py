@@ -69,7 +69,7 @@ class IntegrationPage(ServiceCase):
 
     def test_python(self) -> None:
         found = examples(PAGE, "python")
-        self.assertEqual(len(found), 2)
+        self.assertEqual(len(found), 3)
         for text, shown in found:
             with self.subTest(text):
                 self.assertEqual(self.ran(sys.executable, "-c", self.here(text)), shown)

@@ -26,7 +26,8 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
                 assert!(!tool.faults().is_empty() && tool.to_string().chars().all(|c| !c.is_control()));
             }
             for tool in library.tools() {
-                assert!(tool.cutter.corner_radius() <= tool.cutter.outer_radius());
+                let (profile, outer) = (tool.cutter.profile(), tool.cutter.outer_radius().mm());
+                assert!(outer > 0.0 && profile.low(0.0) <= profile.low(outer) && profile.low(outer).is_finite());
                 assert!(tool.name.chars().all(|c| !c.is_control()));
             }
         }

@@ -60,7 +60,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let Some(ranking) = rank(&workpiece, &[candidate], &settings, SurfaceEvidence::default(), &is_late) else { return };
     for plan in &ranking.plans {
         assert!(plan.time.seconds() > 0.0 && plan.time.seconds().is_finite());
-        let Some(passes) = passes(&workpiece, plan, &candidate, &settings, &|| false) else { continue };
+        let Some(passes) = passes(&workpiece, plan, &settings, &|| false) else { continue };
         assert!(!passes.run_starts.is_empty());
         let contacts = passes.points.iter().filter_map(|point| point.cut).flat_map(|cut| cut.contact);
         assert!(passes.points.iter().flat_map(|point| point.tip).chain(contacts).all(f64::is_finite));

@@ -3,7 +3,7 @@
 #[path = "memory.rs"]
 mod memory;
 
-use scallopd::surface::read::{Fault, FormatHint, ReadError, Reader, Summary};
+use scallopd::surface::read::{FileFault, FormatHint, ReadError, Reader, ReadSummary};
 use scallopd::surface::{LARGEST_COORDINATE, Sink};
 use std::io::Read;
 
@@ -46,7 +46,7 @@ impl Read for InPieces<'_> {
     }
 }
 
-fn digest(file: &[u8], piece: usize, name: &str) -> (Digest, Result<Summary, Fault>) {
+fn digest(file: &[u8], piece: usize, name: &str) -> (Digest, Result<ReadSummary, FileFault>) {
     let mut digest = Digest::default();
     let reader = Reader::new(FormatHint::new(None, Some(name))).with_vertex_limit(1_000_000);
     let result = reader.read(InPieces(file, piece), &mut digest).map_err(|error| match error {

@@ -18,6 +18,17 @@ pub struct AppState {
     pub workers: WorkerPool,
     /// The memory budget for all data whose size a client determines.
     pub budget: Budget,
+    /// The largest bodies in bytes.
+    pub body_limits: BodyLimits,
+}
+
+/// The largest bodies in decompressed bytes, of JSON and of files.
+#[derive(Debug, Clone, Copy)]
+pub struct BodyLimits {
+    /// Of JSON.
+    pub json: u64,
+    /// Of a form with files.
+    pub upload: u64,
 }
 
 impl AppState {
@@ -29,6 +40,7 @@ impl AppState {
         let budget = Budget::new(settings.memory_budget);
         let metrics = Metrics::new(&budget);
         let workers = WorkerPool::start(settings.max_concurrent_work)?;
-        Ok(Self { metrics, readiness: Readiness::default(), workers, budget })
+        let body_limits = BodyLimits { json: settings.max_json, upload: settings.max_upload };
+        Ok(Self { metrics, readiness: Readiness::default(), workers, budget, body_limits })
     }
 }

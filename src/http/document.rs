@@ -3,7 +3,7 @@
 use super::routes::Routes;
 use super::{examples, problem};
 use serde_json::Value;
-use utoipa::openapi::{Components, InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
+use utoipa::openapi::{Components, Contact, InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
 
 /// Declares a type that represents a request or an answer in the document; `$describe` returns its schema.
 macro_rules! described {
@@ -41,12 +41,15 @@ fn outline() -> OpenApi {
         .title("scallopd")
         .version(env!("CARGO_PKG_VERSION"))
         .description(Some(env!("CARGO_PKG_DESCRIPTION")))
+        .contact(Some(Contact::builder().name(Some("the maintainers of scallopd")).build()))
         .license(Some(License::builder().name("MIT OR Apache-2.0").identifier(Some("MIT OR Apache-2.0")).build()))
         .build();
     let tag = |name: &str, about: &str| Tag::builder().name(name).description(Some(about)).build();
     let components = problem::schemas().into_iter().fold(Components::builder(), |all, (name, schema)| all.schema(name, schema));
     OpenApiBuilder::new()
         .info(info)
+        // No operation needs credentials.
+        .security(Some([]))
         .components(Some(components.build()))
         .servers(Some([ServerBuilder::new().url("/").description(Some("this server")).build()]))
         .tags(Some([

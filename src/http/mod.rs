@@ -1,6 +1,7 @@
 //! The HTTP interface: a file or folder for each endpoint, and the modules that they share. Requests are read into
 //! checked values and passed to the domain modules, and their results are written as JSON; no calculation is done here.
 
+mod about;
 mod app_state;
 mod body_pipe;
 mod calculation;
@@ -24,8 +25,8 @@ mod refusal;
 mod request_id;
 mod routes;
 mod wire;
+pub mod work;
 mod workbench;
-pub mod worker_pool;
 
 pub use app_state::AppState;
 pub use routes::{RouteClass, Routes};
@@ -45,6 +46,8 @@ pub fn routes() -> Routes {
     calculation::routes()
         .merge(planning::routes())
         .merge(health_routes())
+        .documented(Single, routes!(about::show))
+        .with_examples(examples::examples!("about"))
         .documented(Single, routes!(pages::openapi))
         .documented(Single, routes!(pages::openapi_3_0))
         .nested(Single, pages::routes())

@@ -21,7 +21,7 @@ const MOST_PARTS: usize = 100;
 const LONGEST_BOUNDARY: usize = 70;
 
 /// A form, read one part after another.
-pub(crate) struct Form {
+pub(crate) struct MultipartForm {
     body: Body,
     /// CRLF, two hyphens and the boundary.
     delimiter: Finder<'static>,
@@ -50,7 +50,7 @@ pub(crate) struct Head {
     pub(crate) media_type: Option<String>,
 }
 
-impl<S: Send + Sync> FromRequest<S> for Form {
+impl<S: Send + Sync> FromRequest<S> for MultipartForm {
     type Rejection = Problem;
 
     async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
@@ -59,7 +59,7 @@ impl<S: Send + Sync> FromRequest<S> for Form {
     }
 }
 
-impl Form {
+impl MultipartForm {
     fn new(body: Body, boundary: &str) -> Self {
         let delimiter = Finder::new(&format!("\r\n--{boundary}")).into_owned();
         // The first delimiter may start the body, without a line break before it.
@@ -248,7 +248,7 @@ mod tests {
                 drop(sender);
             };
             let reading = async {
-                let mut form = Form::new(Body::new(channel), "edge");
+                let mut form = MultipartForm::new(Body::new(channel), "edge");
                 let mut parts = Vec::new();
                 while let Some(head) = form.next().await.map_err(|problem| format!("{problem:?}"))? {
                     let mut data = Vec::new();

@@ -3,17 +3,19 @@
 //! A handler or layer that fails returns a [`Problem`], or a response with an error status and any body. The outermost
 //! layer, in which path and request id are known, turns both into `application/problem+json` by [`describe_error`].
 
-use super::codes::{Code, Family, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
+use super::codes::{Code, CodeFamily, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
 use super::reading::{Fault, Faults};
 use super::request_id::RequestId;
 use super::wire::NotRanked;
+use crate::quantity::Length;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt;
-use utoipa::openapi::schema::{ArrayBuilder, Discriminator, ObjectBuilder, OneOfBuilder, Type};
+use utoipa::openapi::schema::{AdditionalProperties, ArrayBuilder, Discriminator, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{self, Ref, RefOr, ResponseBuilder, Schema};
 use utoipa::{IntoResponses, PartialSchema, ToSchema};
 
@@ -37,6 +39,7 @@ impl Problem {
             errors: Vec::new(),
             not_ranked: Vec::new(),
             figures: Map::new(),
+            answer: None,
             retry_after_s: None,
         }))
     }
@@ -44,7 +47,15 @@ impl Problem {
     /// The problem as JSON, in the answer to the request with this path and id.
     pub(crate) fn written(self, instance: &str, request_id: &RequestId) -> Vec<u8> {
         let body = ProblemBody { instance: instance.to_owned(), request_id: request_id.as_str().to_owned(), ..*self.0 };
-        serde_json::to_vec(&body).unwrap_or_else(|error| unreachable!("a problem can be written: {error}"))
+        let mut text = serde_json::to_vec(&body).unwrap_or_else(|error| unreachable!("a problem can be written: {error}"));
+        if let Some(answer) = &body.answer {
+            // The answer of a large batch is written once, as text.
+            text.pop();
+            text.extend_from_slice(b",\"answer\":");
+            text.extend_from_slice(answer);
+            text.push(b'}');
+        }
+        text
     }
 
     /// A well-formed request that cannot be answered because of `faults`. If there is one fault and its code is a
@@ -75,6 +86,35 @@ impl Problem {
         problem
     }
 
+    /// Adds a batch's answer, a JSON object, as the member `answer`.
+    pub(crate) fn with_answer(mut self, answer: Vec<u8>) -> Self {
+        self.0.answer = Some(answer.into());
+        self
+    }
+
+    /// Adds what would help where no cutter fits: the tightest hollow, and the cutter that comes closest to the limit.
+    pub(crate) fn with_hollow(mut self, radius: Option<Length>, max_uncut_share: f64) -> Self {
+        let mut details = vec![std::mem::take(&mut self.0.detail)];
+        let closest = self.0.not_ranked.iter().filter_map(|cutter| Some((cutter, cutter.uncut_share?)));
+        if let Some((cutter, share)) = closest.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            // Rounded up, so that the limit does what it says.
+            let needed = (share * 1e4).ceil() / 1e4;
+            let name = cutter.name.as_ref().map_or_else(|| format!("cutter {}", cutter.cutter), |name| format!("{name:?}"));
+            details.push(format!("max_uncut_share is {max_uncut_share}, and {name} would be ranked with {needed}"));
+            self.0.figures.insert(NEEDED_SHARE.name.to_owned(), needed.into());
+        }
+        if let Some(radius) = radius.map(Length::mm) {
+            details.push(if radius > 0.0 {
+                format!("the smallest concave radius of the surface is about {radius:.3} mm")
+            } else {
+                "the surface has sharp inner edges, which no round cutter reaches".to_owned()
+            });
+            self.0.figures.insert(HOLLOW.name.to_owned(), radius.into());
+        }
+        self.0.detail = details.join("; ");
+        self
+    }
+
     /// Adds the header `Retry-After`.
     pub(crate) fn retry_after(mut self, seconds: u32) -> Self {
         self.0.retry_after_s = Some(seconds);
@@ -98,6 +138,10 @@ impl Problem {
             StatusCode::INTERNAL_SERVER_ERROR => {
                 (ServiceProblem::Internal, "the server failed; its log has the cause under the request id")
             }
+            StatusCode::REQUEST_HEADER_FIELDS_TOO_LARGE => (
+                ServiceProblem::Failed,
+                "the request line and the headers are longer than this server reads; send parameters as JSON by POST",
+            ),
             _ => (ServiceProblem::Failed, "the request failed"),
         };
         Self::under(status, kind.into(), detail)
@@ -196,6 +240,10 @@ pub(crate) struct ProblemBody {
     #[serde(flatten)]
     #[schema(ignore)]
     figures: Map<String, Value>,
+    /// A batch's answer as JSON, if no contact has an answer.
+    #[serde(skip)]
+    #[schema(ignore)]
+    answer: Option<Bytes>,
     /// The value of the header `Retry-After`.
     #[serde(skip)]
     #[schema(ignore)]
@@ -254,6 +302,14 @@ fn problem_response(description: &str, schema: &str) -> RefOr<utoipa::openapi::R
 }
 
 const NOT_RANKED: &str = "not_ranked";
+const NEEDED_SHARE: ProblemFigure = ProblemFigure {
+    name: "needed_max_uncut_share",
+    about: "The `max_uncut_share` with which the cutter that comes closest would be ranked.",
+};
+const HOLLOW: ProblemFigure = ProblemFigure {
+    name: "smallest_concave_radius_mm",
+    about: "The smallest concave radius of what is to be machined, estimated from its facets; 0 for a sharp inner edge. Absent without hollows.",
+};
 const PROBLEM: &str = "Problem";
 const UNPROCESSABLE: &str = "UnprocessableProblem";
 
@@ -280,7 +336,7 @@ pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
     let no_cutter_fits = [ServiceProblem::NoCutterFits.name()];
     let of_cutters = ArrayBuilder::new().items(Ref::from_schema_name(NotRanked::name())).min_items(Some(1));
     let of_cutters = of_cutters.description(Some("The cutters, each with the reason why it is not ranked."));
-    let schema = schema_of_types(&no_cutter_fits, (&[], &[])).property(NOT_RANKED, of_cutters).required(NOT_RANKED);
+    let schema = schema_of_types(&no_cutter_fits, (&[], &[NEEDED_SHARE, HOLLOW])).property(NOT_RANKED, of_cutters).required(NOT_RANKED);
     add("NoCutterFitsProblem".to_owned(), &no_cutter_fits, schema);
     add("ProblemWithoutFigures".to_owned(), &plain, schema_of_types(&plain, (&[], &[])));
     let any = any.discriminator(Some(Discriminator::with_mapping("type", mapping)));
@@ -294,7 +350,12 @@ pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
 fn schema_of_types(types: &[&'static str], (always, sometimes): (&[ProblemFigure], &[ProblemFigure])) -> ObjectBuilder {
     let RefOr::T(Schema::Object(problem)) = ProblemBody::schema() else { unreachable!("a struct is described as an object") };
     let kind = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(types.iter().copied()));
-    let mut schema = ObjectBuilder::from(problem).property("type", kind);
+    let kind = kind.description(Some("The problem, as a code for programs."));
+    let answer = ObjectBuilder::new().schema_type(Type::Object).additional_properties(Some(AdditionalProperties::FreeForm(true)));
+    let answer = answer.description(Some(
+        "Of a batch whose contacts all failed: the answer in its usual form, with null in every column and the reasons in failures.",
+    ));
+    let mut schema = ObjectBuilder::from(problem).property("type", kind).property("answer", answer);
     for figure in always.iter().chain(sometimes) {
         let number = ObjectBuilder::new().schema_type(Type::Number).minimum(Some(0.0)).description(Some(figure.about));
         schema = schema.property(figure.name, number);

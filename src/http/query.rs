@@ -5,14 +5,20 @@
 use super::codes::RequestFault;
 use super::json_body::malformed;
 use super::problem::Problem;
-use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark};
-use serde_json::Value;
+use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark, nearest};
 use serde_json::value::RawValue;
+use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn, ParameterStyle};
 use utoipa::openapi::{RefOr, Required, Schema};
+
+/// The most faults that an answer lists. The head of a request has room for some thousand parameters.
+const MOST_FAULTS: usize = 100;
+
+/// The most unknown parameters whose faults list the known ones.
+const MOST_WITH_KNOWN: usize = 4;
 
 /// The parameters of a calculation's query.
 pub(crate) struct Query {
@@ -29,6 +35,8 @@ struct QueryMember {
     about: Option<String>,
     /// The schema without references and description.
     schema: Value,
+    /// Whether its value is JSON: an array of objects.
+    is_json: bool,
 }
 
 impl Query {
@@ -63,14 +71,13 @@ impl Query {
         query: &str,
         read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
     ) -> Result<T, Problem> {
-        let mut faults = Faults::default();
+        let mut faults = Faults::at_most(MOST_FAULTS);
         let mut given: Vec<(&QueryMember, Cow<'_, str>)> = Vec::new();
         for (name, value) in form_urlencoded::parse(query.as_bytes()) {
             let root = JsonPath::Root;
             let path = root.member(&name);
             let Some(member) = self.members.iter().find(|member| member.name == name) else {
-                let known: Vec<_> = self.members.iter().map(|member| member.name.as_str()).collect();
-                faults.add(&path, RequestFault::UnknownField, format_args!("unknown parameter; known here: {}", known.join(", ")));
+                self.unknown(&name, &path, &mut faults);
                 continue;
             };
             if value.is_empty() {
@@ -93,12 +100,38 @@ impl Query {
         let object = Object::open_body(json.as_bytes(), &mut of_json).map_err(|error| malformed(&error))?;
         let result = object.and_then(|object| object.read(&mut of_json, read));
         let is_empty = |pointer: &str| given.iter().any(|(member, value)| value.is_empty() && format!("/{}", member.name) == pointer);
+        of_json.name_others(|object, known| self.others(object, known));
         // The fault of an empty parameter has been recorded already.
         faults.take_in(of_json, |pointer| Some(self.pointer(pointer, &given)).filter(|pointer| !is_empty(pointer)));
         match result {
             Ok(result) if faults.is_empty() => Ok(result),
             _ => Err(Problem::faulty_request(faults)),
         }
+    }
+
+    /// Records an unknown parameter: with the one that was probably meant, or with all of them if it is among the first.
+    fn unknown(&self, name: &str, path: &JsonPath<'_>, faults: &mut Faults) {
+        let known = || self.members.iter().map(|member| member.name.as_str());
+        let detail = match nearest(name, known()) {
+            Some(meant) => format!("unknown parameter; did you mean {meant}?"),
+            None if faults.count() < MOST_WITH_KNOWN => {
+                format!("unknown parameter; known here: {}", known().collect::<Vec<_>>().join(", "))
+            }
+            None => "unknown parameter".to_owned(),
+        };
+        faults.add(path, RequestFault::UnknownField, detail);
+    }
+
+    /// The text of a fault of a parameter that the others exclude, such as the corner radius of a ball-end cutter: the
+    /// parameters that the object may have.
+    fn others(&self, object: &str, known: &[&'static str]) -> String {
+        let path =
+            |name: &str| [object.trim_start_matches('/'), name].into_iter().filter(|part| !part.is_empty()).map(str::to_owned).collect();
+        let names = known.iter().filter_map(|name| {
+            let path: Vec<String> = path(name);
+            self.members.iter().find(|member| member.path == path).map(|member| member.name.as_str())
+        });
+        format!("the parameter does not go with the others; those that do: {}", names.collect::<Vec<_>>().join(", "))
     }
 
     /// The pointer to the parameter for the member at `pointer` of the JSON request; for an object, to the first given
@@ -183,14 +216,25 @@ fn members_of(schema: &Value, named: &BTreeMap<String, Value>, path: &[String]) 
             continue;
         }
         let about = property["description"].as_str().or(target["description"].as_str()).map(str::to_owned);
-        let mut schema = target.clone();
+        let items = resolved(&target["items"], named);
+        let is_json = items["properties"].is_object();
+        let about = about.map(|about| if is_json { format!("{about}; as JSON") } else { about });
+        let mut schema =
+            if is_json { json!({"type": "string", "examples": [example_of(items, named).to_string()]}) } else { target.clone() };
         if let Some(schema) = schema.as_object_mut() {
             schema.remove("description");
         }
         let name = name_of(&path.iter().map(String::as_str).collect::<Vec<_>>());
-        members.push(QueryMember { name, path, is_required, about, schema });
+        members.push(QueryMember { name, path, is_required, about, schema, is_json });
     }
     members
+}
+
+/// An array of one object with the examples of its members.
+fn example_of(object: &Value, named: &BTreeMap<String, Value>) -> Value {
+    let members = object["properties"].as_object().into_iter().flatten();
+    let examples = members.map(|(name, member)| (name.clone(), resolved(member, named)["examples"][0].clone()));
+    json!([examples.collect::<serde_json::Map<_, _>>()])
 }
 
 fn resolved<'s>(schema: &'s Value, named: &'s BTreeMap<String, Value>) -> &'s Value {
@@ -209,6 +253,7 @@ fn json_of(given: &[(&QueryMember, Cow<'_, str>)]) -> String {
     let mut json = String::new();
     for (member, value) in given {
         let value = match member.schema["type"].as_str() {
+            _ if member.is_json && serde_json::from_str::<&RawValue>(value).is_ok() => value.to_string(),
             Some("string") => quoted(value),
             Some("array") => format!("[{}]", value.split(',').map(number).collect::<Vec<_>>().join(",")),
             _ => number(value),

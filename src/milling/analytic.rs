@@ -3,7 +3,7 @@
 //! Formulas: Segonds et al. 2017, eq. 3 and 8 (effective radii), 9 and 12-15 (heights), 16-18 (runout).
 
 use super::gouging;
-use super::{Contact, Cutter, CutterKind, NoAnswer, Pass, Runout, ScallopHeight};
+use super::{Contact, Cutter, NoAnswer, Pass, Runout, ScallopHeight};
 use crate::quantity::{Angle, Length};
 
 /// The radius of curvature of the groove that a cutter leaves, in mm: positive, 0 for a sharp edge, or infinite for a
@@ -16,7 +16,8 @@ impl EffectiveRadius {
     ///
     /// (R - r) cos^2(alpha) / (sin(S) (1 - sin^2(alpha) sin^2(S))) + r
     ///
-    /// It is R for a ball-end cutter, and infinite on a floor for others. With theta, cos^2(theta) = cos^2(alpha) / (1 -
+    /// with e and r of the profile's arc at the slope in place of R - r and r. It is R for a ball-end cutter, and infinite at
+    /// the slope of a flat or a cone. With theta, cos^2(theta) = cos^2(alpha) / (1 -
     /// sin^2(alpha) sin^2(S)), it is also defined on walls.
     #[must_use]
     pub fn across_feed(cutter: Cutter, contact: Contact) -> Self {
@@ -35,13 +36,14 @@ impl EffectiveRadius {
     }
 
     fn of(cutter: Cutter, contact: Contact, share: f64) -> Self {
-        if cutter.kind() == CutterKind::BallEnd {
-            return Self(cutter.outer_radius().mm());
-        }
-        if contact.slope().sin() == 0.0 {
+        let (profile, slope) = (cutter.profile(), contact.slope());
+        if profile.is_straight_at(slope.radians()) {
             return Self(f64::INFINITY);
         }
-        Self(cutter.core_radius().mm() * share / contact.slope().sin() + cutter.corner_radius().mm())
+        let arc = profile.arc_at(slope.radians());
+        // The arc of a ball has the same radius everywhere, on a floor too.
+        let level = if arc.centre_offset == 0.0 { 0.0 } else { arc.centre_offset * share / slope.sin() };
+        Self(level + arc.radius)
     }
 
     /// The radius; `None` if it is infinite, or so large that its diameter overflows or its reciprocal underflows.
@@ -84,7 +86,8 @@ impl Analytic {
     /// along it without runout.
     ///
     /// # Errors
-    /// - [`NoAnswer::FlatFloor`] at slope 0, unless the cutter is a ball-end;
+    /// - [`NoAnswer::FlatFloor`] at slope 0, unless the cutter's tip is round; [`NoAnswer::StraightFlank`] at the slope of a
+    ///   cone; [`NoAnswer::TooSteep`] beyond it;
     /// - [`NoAnswer::SharpEdge`] if the effective radius is 0: a flat-end cutter fed along the level line;
     /// - [`NoAnswer::Gouges`] on a concave surface into which the cutter does not fit.
     #[inline]
@@ -99,7 +102,8 @@ impl Analytic {
         let across = EffectiveRadius::across_feed(pass.cutter.widened(pass.runout.radial()), pass.contact);
         let along = EffectiveRadius::along_feed(pass.cutter, pass.contact);
         let (Some(effective_radius), Some(_)) = (across.finite(), along.finite()) else {
-            return Err(NoAnswer::FlatFloor);
+            let is_floor = pass.contact.slope().sin() == 0.0;
+            return Err(if is_floor { NoAnswer::FlatFloor } else { NoAnswer::StraightFlank });
         };
         if across.0 == 0.0 {
             return Err(NoAnswer::SharpEdge);
@@ -143,7 +147,7 @@ impl Analytic {
         self.height_above(self.step_over_height(step_over)?, feed_per_tooth)
     }
 
-    /// The same for a step-over that alone leaves `step_over_height`.
+    /// h1 and h2 beside a step-over that alone leaves `step_over_height`.
     pub(super) fn height_above(&self, step_over_height: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
         Ok(ScallopHeight::of_parts(step_over_height, self.feed_height(feed_per_tooth)?))
     }
@@ -157,7 +161,7 @@ impl Analytic {
         self.max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance)
     }
 
-    /// The same for a step-over that alone leaves `step_over_height`.
+    /// The largest feed per tooth beside a step-over that alone leaves `step_over_height`.
     pub(super) fn max_feed_per_tooth_above(&self, step_over_height: Length, tolerance: Length) -> Result<Length, NoAnswer> {
         if step_over_height >= tolerance {
             // The height at this step-over reaches the tolerance, so there is a step-over that leaves exactly the

@@ -150,11 +150,6 @@ impl SurfaceCurvature {
     pub(super) fn scaled(self, factor: f64) -> Self {
         Self { along: factor * self.along, across: factor * self.across, twist: factor * self.twist }
     }
-
-    /// The surface mirrored at the plane through the normal and the feed.
-    pub(super) fn mirrored(self) -> Self {
-        Self { twist: -self.twist, ..self }
-    }
 }
 
 /// The eigenvalues of [[a, c], [c, b]], the larger first.

@@ -1,7 +1,9 @@
 //! The cutter, described as the solid that it sweeps when it rotates.
 
 use super::profile::{Profile, ProfileArc, ProfileError};
+use crate::numerics::bracketed_root;
 use crate::quantity::{Angle, Length};
+use std::convert::Infallible;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
@@ -170,6 +172,70 @@ impl Cutter {
         Ok(Self { kind: CutterKind::ConicalBarrel, profile: barrel(diameter, tip_radius, side_radius, taper)? })
     }
 
+    /// A ball tip, a side of the radius `side_radius` that touches it, and an arc of the radius `upper_radius` that touches the
+    /// side and ends upright at the diameter. Tip and upper arc touch a cone whose half angle is `taper`: Fusion's circle segment
+    /// taper.
+    ///
+    /// # Errors
+    /// [`CutterError::Taper`]; [`CutterError::TipTooLarge`] if the cone would not widen from the tip to the upper arc;
+    /// [`CutterError::LargeRadiusTooSmall`] for a side that cannot touch both.
+    pub fn blended_barrel(
+        diameter: Length,
+        tip_radius: Length,
+        side_radius: Length,
+        upper_radius: Length,
+        taper: Angle,
+    ) -> Result<Self, CutterError> {
+        checked_side(taper)?;
+        let (outer, tip, side, upper) = (diameter.mm() / 2.0, tip_radius.mm(), side_radius.mm(), upper_radius.mm());
+        let (sin, cos) = (taper.sin(), taper.cos());
+        let core = outer - upper;
+        // The centres are tip over the tip on the axis, and at (core, height): both circles touch the cone.
+        let height = tip + (core * cos + upper - tip) / sin;
+        let (apart_out, apart_up) = (core, height - tip);
+        let apart = apart_out.hypot(apart_up);
+        if upper > outer || apart_up <= 0.0 || apart <= (upper - tip).abs() {
+            return Err(CutterError::TipTooLarge { largest_radius: Length::computed(outer) });
+        }
+        // The side's centre is at the distances side - tip and side - upper from the other two, beyond the axis.
+        let (from_tip, from_upper) = (side - tip, side - upper);
+        let along = (from_tip * from_tip - from_upper * from_upper + apart * apart) / (2.0 * apart);
+        let beside = from_tip * from_tip - along * along;
+        if from_tip <= 0.0 || from_upper <= 0.0 || beside < 0.0 {
+            let smallest = f64::midpoint(tip + upper, apart);
+            return Err(CutterError::LargeRadiusTooSmall { smallest_radius: Length::computed(smallest) });
+        }
+        let beside = beside.sqrt();
+        let (unit_out, unit_up) = (apart_out / apart, apart_up / apart);
+        let (centre_out, centre_up) = (along * unit_out - beside * unit_up, tip + along * unit_up + beside * unit_out);
+        // The normals at the joints point from the side's centre to the other centres.
+        let first = (-centre_out).atan2(centre_up - tip);
+        let second = (core - centre_out).atan2(centre_up - height);
+        let arcs = [
+            ProfileArc { radius: tip, centre_offset: 0.0, centre_height: tip, from: 0.0, to: first },
+            ProfileArc { radius: side, centre_offset: centre_out, centre_height: centre_up, from: first, to: second },
+            ProfileArc { radius: upper, centre_offset: core, centre_height: height, from: second, to: FRAC_PI_2 },
+        ];
+        Ok(Self { kind: CutterKind::ConicalBarrel, ..Self::from_arcs(&arcs)? })
+    }
+
+    /// A flat with the corner radius `corner_radius` in mm, which may be 0, then a cone that touches it, up to the shank. At the
+    /// height of the tip the cone, continued, has the diameter `tip_diameter`.
+    ///
+    /// # Errors
+    /// [`CutterError::Taper`]; [`CutterError::ShankTooNarrow`]; [`CutterError::Profile`] if the corner is larger than a ball.
+    pub fn tapered_torus(tip_diameter: Length, corner_radius: f64, taper: Angle, shank_diameter: Length) -> Result<Self, CutterError> {
+        let side = checked_side(taper)?;
+        let (sin, cos, shank) = (taper.sin(), taper.cos(), shank_diameter.mm() / 2.0);
+        let core = tip_diameter.mm() / 2.0 - corner_radius * (1.0 - sin) / cos;
+        let round = ProfileArc { radius: corner_radius, centre_offset: core, centre_height: corner_radius, from: 0.0, to: side };
+        let (end, height) = round.point(side);
+        if shank < end {
+            return Err(CutterError::ShankTooNarrow { smallest_diameter: Length::computed(2.0 * end) });
+        }
+        Self::from_arcs(&[round, corner(shank, height + (shank - end) / sin * cos, side)])
+    }
+
     /// Any convex profile of arcs and straight pieces.
     ///
     /// # Errors
@@ -209,6 +275,27 @@ impl Cutter {
     #[must_use]
     pub fn core_radius(self) -> Length {
         Length::computed(self.profile.arcs()[0].centre_offset)
+    }
+
+    /// The step-over that leaves `height` on a floor: twice the distance from the axis at which the bottom is that high. For a
+    /// torus it is 2 (R - r) + 2 sqrt(2 r h - h^2) [Herraz et al. 2020, section 4.1.1, the bound at s = 0], and the diameter for
+    /// a height above the rim.
+    ///
+    /// It bounds the analytic step-over near a floor, where the effective radius exceeds every bound but the cutter does not.
+    #[must_use]
+    pub fn step_over_on_floor(self, height: Length) -> Length {
+        let outer = self.profile.outer_radius();
+        let above = |rho: f64| self.profile.low(rho) - height.mm();
+        if above(outer) <= 0.0 {
+            return Length::computed(2.0 * outer);
+        }
+        let first = self.profile.arcs()[0];
+        if height.mm() <= first.point(first.to).1 {
+            let chord = (height.mm() * (2.0 * first.radius - height.mm())).sqrt();
+            return Length::computed(2.0 * (first.centre_offset + chord));
+        }
+        let Ok(rho) = bracketed_root(0.0, outer, |rho| Ok::<_, Infallible>(above(rho)));
+        Length::computed(2.0 * rho)
     }
 
     /// The same cutter with its outer radius larger by `extra`, as radial runout makes it [Segonds 2017, after eq. 15]. A
@@ -294,6 +381,44 @@ mod tests {
                 // Rounding of heights of up to 250 mm.
                 assert!(((rho1 - rho0) * sin - (z1 - z0) * cos).abs() < 1e-12, "{:?}", cutter.kind());
             }
+        }
+    }
+
+    /// Fusion's own figures: its conical barrel of 16 mm with radii of 4, 500 and 8 mm and a taper of 20 deg has flutes of
+    /// 15.69 mm, up to the centre of the upper arc; a tapered mill with a ball of 1 mm and 3.8 deg has a diameter of 1.872 mm.
+    #[test]
+    fn the_shapes_of_fusion_have_its_figures() {
+        let barrel = Cutter::blended_barrel(mm(16.0), mm(4.0), mm(500.0), mm(8.0), degrees(20.0)).unwrap();
+        let profile = barrel.profile();
+        let [tip, side, upper] = profile.arcs() else { panic!("{barrel:?}") };
+        assert_relative_eq!(upper.centre_height, 15.69, epsilon = 0.01);
+        assert_eq!((barrel.kind(), barrel.outer_radius().mm()), (CutterKind::ConicalBarrel, 8.0));
+        for (arc, next) in [(tip, side), (side, upper)] {
+            let ((rho0, z0), (rho1, z1)) = (arc.point(arc.to), next.point(next.from));
+            // Rounding of 500 mm.
+            assert!((rho0 - rho1).abs() < 1e-11 && (z0 - z1).abs() < 1e-11);
+        }
+        let ball = Cutter::tapered_ball(mm(2.0), degrees(3.8), mm(6.0)).unwrap();
+        let torus = Cutter::tapered_torus(mm(1.872), 1.0, degrees(3.8), mm(6.0)).unwrap();
+        for step in 1..=30 {
+            let rho = f64::from(step) / 10.0;
+            // The printed diameter is rounded to 0.0005 mm, which the cone magnifies by 1/tan(3.8 deg) = 15.
+            assert_relative_eq!(torus.profile().low(rho), ball.profile().low(rho), epsilon = 0.008);
+        }
+    }
+
+    #[test]
+    fn the_step_over_on_a_floor_ends_where_the_bottom_is_at_the_height() {
+        let on_floor = |cutter: Cutter, height: f64| cutter.step_over_on_floor(mm(height)).mm();
+        // 2 (5 - 2) + 2 sqrt(0.04 - 0.0001), the 6.4 mm of Herraz et al. 2020, section 4.1.1.
+        let torus = Cutter::toroidal(mm(10.0), mm(2.0)).unwrap();
+        assert_relative_eq!(on_floor(torus, 0.01), 6.0 + 2.0 * (0.04_f64 - 0.0001).sqrt(), max_relative = 1e-15);
+        assert_relative_eq!(on_floor(Cutter::ball_end(mm(10.0)), 0.01), 2.0 * (0.1_f64 - 0.0001).sqrt(), max_relative = 1e-15);
+        assert_eq!((on_floor(torus, 2.5), on_floor(Cutter::flat_end(mm(6.0)), 0.001)), (10.0, 6.0));
+        // 0.3 mm is on the lens' first arc, which is 0.62 mm high, 0.9 mm on its corner.
+        let lens = Cutter::lens(mm(16.0), mm(40.0), mm(1.0)).unwrap();
+        for (cutter, height) in [(lens, 0.3), (lens, 0.9), (Cutter::oval(mm(10.0), mm(2.0), mm(80.0)).unwrap(), 5.0)] {
+            assert_relative_eq!(cutter.profile().low(on_floor(cutter, height) / 2.0), height, max_relative = 1e-12);
         }
     }
 

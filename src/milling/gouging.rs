@@ -2,14 +2,17 @@
 //! the whole lower body of the cutter.
 
 use super::curvature::eigenvalues;
-use super::{NoAnswer, Pass, SurfaceCurvature};
-use crate::quantity::Length;
+use super::{NoAnswer, Pass, Profile, ProfileArc, SurfaceCurvature};
+use crate::quantity::{Angle, Length};
 
 /// The relative curvature lambda below which the second order of the surface is not accurate enough.
 pub(super) const NEAR_GOUGING: f64 = 0.6;
 
 /// The share by which the smallest radius that is reported can be too large, if the cutter gouges away from the contact.
 const RADIUS_ERROR: f64 = 0.01;
+
+/// The share of a curvature that no cutter notices.
+const SMALLEST_SHARE: f64 = 1e-9;
 
 /// The smallest relative curvature of cutter and surface at the contact, as a share of the cutter's own:
 ///
@@ -18,9 +21,14 @@ const RADIUS_ERROR: f64 = 0.01;
 /// in the axes of the steepest line and the level line. C = diag(r, (R - r)/sin(S) + r) has the cutter's radii of
 /// curvature; R includes the radial runout. lambda is 1 for K = 0.
 ///
-/// `None` if the cutter gouges: if lambda <= 0, or if the height H of the cutter over the surface is negative anywhere
+/// with r and R - r replaced by r_i and e_i of the arc at the contact.
+///
+/// `None` if the cutter gouges: if the slope is steeper than the profile cuts; if lambda <= 0, or if the height H of the cutter over the surface is negative anywhere
 /// under the cutter.
 pub(super) fn relative_curvature(pass: &Pass) -> Option<f64> {
+    if steepest_beyond(pass).is_some() {
+        return None;
+    }
     if pass.surface.is_plane() {
         return Some(1.0);
     }
@@ -37,6 +45,9 @@ pub(super) fn relative_curvature(pass: &Pass) -> Option<f64> {
 /// The reason why a pass gouges, with the radius into which the cutter would fit. It takes several times as long as
 /// [`relative_curvature`].
 pub(super) fn reason(pass: &Pass) -> NoAnswer {
+    if let Some(steepest) = steepest_beyond(pass) {
+        return NoAnswer::TooSteep { steepest };
+    }
     let smallest_radius = match Concavity::of(pass) {
         Concavity::Concave(body) => body.smallest_radius(),
         Concavity::Convex { .. } | Concavity::FitsNowhere => None,
@@ -44,7 +55,14 @@ pub(super) fn reason(pass: &Pass) -> NoAnswer {
     NoAnswer::Gouges { smallest_radius }
 }
 
+/// The steepest slope that the cutter's profile cuts, if the contact is steeper.
+fn steepest_beyond(pass: &Pass) -> Option<Angle> {
+    let steepest = pass.cutter.profile().steepest_cut();
+    (pass.contact.slope().radians() > steepest).then(|| Angle::from_radians(steepest))
+}
+
 /// How a surface and a cutter that touches it are concave.
+#[expect(clippy::large_enum_variant, reason = "it is taken apart where it is made")]
 enum Concavity {
     /// No direction of the surface is concave, or none that the cutter's flat touches.
     Convex { lambda: f64 },
@@ -56,7 +74,13 @@ enum Concavity {
 
 /// The cutter on a concave surface.
 struct OnConcave {
-    footprint: Footprint,
+    profile: Profile,
+    /// The arc at the contact.
+    touching: ProfileArc,
+    sin: f64,
+    cos: f64,
+    /// The curvature in the axes of the steepest line and the level line.
+    surface: SurfaceCurvature,
     /// The smaller principal curvature.
     smallest_curvature: f64,
     /// lambda - 1.
@@ -67,19 +91,20 @@ struct OnConcave {
 
 impl Concavity {
     fn of(pass: &Pass) -> Self {
-        let cutter = pass.cutter.widened(pass.runout.radial());
-        let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
+        let profile = pass.cutter.widened(pass.runout.radial()).profile();
+        let touching = *profile.arc_at(pass.contact.slope().radians());
+        let (core, corner) = (touching.centre_offset, touching.radius);
         let (sin, cos, theta) = (pass.contact.slope().sin(), pass.contact.slope().cos(), pass.contact.theta());
         let [_, smallest_curvature] = pass.surface.principal_per_mm();
-        let flat = core > 0.0 && core / sin + corner > 1e300;
+        let flat = core != 0.0 && core / sin + corner > 1e300;
         if flat {
             // The flat lies in the tangent plane: it gouges in any concave direction, at any radius, and in no convex
             // direction.
             return if smallest_curvature < 0.0 { Self::FitsNowhere } else { Self::Convex { lambda: 1.0 } };
         }
-        let level_radius = if core > 0.0 { core / sin + corner } else { corner };
+        let level_radius = if core == 0.0 { corner } else { core / sin + corner };
         let steepest = pass.surface.turned(-theta.sin(), theta.cos());
-        if cos == 0.0 && side_gouges(steepest, core + corner) {
+        if cos == 0.0 && side_gouges(steepest, profile.outer_radius()) {
             return Self::FitsNowhere;
         }
         let root = (corner * level_radius).sqrt();
@@ -88,15 +113,10 @@ impl Concavity {
         if smallest_curvature >= 0.0 {
             return Self::Convex { lambda: 1.0 + change };
         }
-        // The cutter's lower body lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact. This
+        // The lower body of a torus lies inside the sphere of radius (R - r)/sin(S) + r that touches it at the contact. This
         // sphere fits into any surface that is less concave.
-        let fits_certainly = -1.0 / (smallest_curvature * level_radius);
-        Self::Concave(OnConcave {
-            footprint: Footprint { core, corner, sin, cos, surface: steepest },
-            smallest_curvature,
-            change,
-            fits_certainly,
-        })
+        let fits_certainly = if profile.arcs().len() == 1 { -1.0 / (smallest_curvature * level_radius) } else { 0.0 };
+        Self::Concave(OnConcave { profile, touching, sin, cos, surface: steepest, smallest_curvature, change, fits_certainly })
     }
 }
 
@@ -114,9 +134,19 @@ fn side_gouges(steepest: SurfaceCurvature, outer: f64) -> bool {
 impl OnConcave {
     /// Whether the cutter cuts into the surface anywhere with a share of its curvature with which lambda >= 0.
     fn is_cut(&self, share: f64) -> bool {
-        let footprint = &self.footprint;
-        let is_ball = footprint.core == 0.0;
-        !is_ball && share > self.fits_certainly && Footprint { surface: footprint.surface.scaled(share), ..*footprint }.is_cut()
+        let is_ball = self.profile.arcs().len() == 1 && self.touching.centre_offset == 0.0;
+        if is_ball || share <= self.fits_certainly {
+            return false;
+        }
+        let surface = self.surface.scaled(share);
+        let [outwards, upwards] = [self.touching.point_at(self.sin, self.cos).0, self.touching.point_at(self.sin, self.cos).1];
+        self.profile.cutting_arcs().iter().any(|arc| {
+            let (same_out, same_up) = arc.point_at(self.sin, self.cos);
+            let offset = if *arc == self.touching { [0.0; 2] } else { [outwards - same_out, same_up - upwards] };
+            let (core, corner) = (arc.centre_offset, arc.radius);
+            Footprint { core, corner, offset, range: [arc.from, arc.to], sin: self.sin, cos: self.cos, surface }
+                .is_cut(self.profile.outer_radius())
+        })
     }
 
     /// The concave principal radius at which the cutter fits if both curvatures are scaled alike: exact where lambda is 0
@@ -130,7 +160,13 @@ impl OnConcave {
         if closest <= 1.0 && !self.is_cut(closest) {
             return of_share(closest);
         }
-        let mut fits = self.fits_certainly.min(cuts);
+        let mut fits = if self.fits_certainly > 0.0 { self.fits_certainly.min(cuts) } else { cuts };
+        while self.is_cut(fits) {
+            fits /= 4.0;
+            if fits < SMALLEST_SHARE {
+                return None;
+            }
+        }
         while cuts > fits * (1.0 + RADIUS_ERROR) {
             let middle = (cuts * fits).sqrt();
             if self.is_cut(middle) { cuts = middle } else { fits = middle }
@@ -139,8 +175,8 @@ impl OnConcave {
     }
 }
 
-/// The cutter's lower body, the flat and the corner's round, over a surface with the curvature `surface` in the axes of
-/// the steepest line and the level line.
+/// An arc of the cutter's lower body over a surface with the curvature `surface` in the axes of the steepest line and the
+/// level line.
 ///
 /// If the surface has a concave direction, the lowest point is on the round, including the rim of the flat: over the
 /// flat's disc H is a quadratic function that is not positive definite, which has no minimum inside the disc.
@@ -148,6 +184,10 @@ impl OnConcave {
 struct Footprint {
     core: f64,
     corner: f64,
+    /// From the arc's point with the contact's normal to the contact, outwards; and from the contact to that point, upwards.
+    offset: [f64; 2],
+    /// The angles of the arc's normals.
+    range: [f64; 2],
     sin: f64,
     cos: f64,
     surface: SurfaceCurvature,
@@ -172,8 +212,8 @@ impl Footprint {
     /// p = a sin(S) (1 - cos(psi)) + r (1 - sin(S) sin(beta) cos(psi) - cos(S) cos(beta)),   H = p + 1/2 u'Ku
     fn height(&self, (sin_psi, cos_psi): (f64, f64), (sin_beta, cos_beta): (f64, f64)) -> f64 {
         let (a, r, sin, cos) = (self.core, self.corner, self.sin, self.cos);
-        let outwards = a * (1.0 - cos_psi) + r * (sin - sin_beta * cos_psi);
-        let upwards = r * (cos - cos_beta);
+        let outwards = self.offset[0] + a * (1.0 - cos_psi) + r * (sin - sin_beta * cos_psi);
+        let upwards = self.offset[1] + r * (cos - cos_beta);
         let level = (a + r * sin_beta) * sin_psi;
         let steep = outwards * cos - upwards * sin;
         let normal = outwards * sin + upwards * cos;
@@ -185,11 +225,11 @@ impl Footprint {
 
     /// Whether H is negative anywhere, by more than the rounding of its terms.
     #[expect(clippy::cast_precision_loss, reason = "at most 32")]
-    fn is_cut(&self) -> bool {
-        let rounding = -1e-12 * (self.core + self.corner);
-        let step = (std::f64::consts::TAU / f64::from(AROUND), std::f64::consts::FRAC_PI_2 / f64::from(DOWN));
+    fn is_cut(&self, outer_radius: f64) -> bool {
+        let rounding = -1e-12 * outer_radius;
+        let step = (std::f64::consts::TAU / f64::from(AROUND), (self.range[1] - self.range[0]) / f64::from(DOWN));
         let around: [(f64, f64); AROUND as usize] = std::array::from_fn(|i| (step.0 * i as f64).sin_cos());
-        let down: [(f64, f64); DOWN as usize + 1] = std::array::from_fn(|j| (step.1 * j as f64).sin_cos());
+        let down: [(f64, f64); DOWN as usize + 1] = std::array::from_fn(|j| (self.range[0] + step.1 * j as f64).sin_cos());
         let heights: [[f64; DOWN as usize + 1]; AROUND as usize] = around.map(|psi| down.map(|beta| self.height(psi, beta)));
         if heights.iter().flatten().any(|height| *height < rounding) {
             return true;
@@ -202,7 +242,7 @@ impl Footprint {
                 let (before, after) = (if i == 0 { last } else { i - 1 }, if i == last { 0 } else { i + 1 });
                 let least = heights[before][j].min(heights[after][j]).min(heights[i][j.saturating_sub(1)]);
                 let least = least.min(heights[i][(j + 1).min(usize::from(DOWN))]);
-                heights[i][j] <= least && self.lowest_near((step.0 * i as f64, step.1 * j as f64), step) < rounding
+                heights[i][j] <= least && self.lowest_near((step.0 * i as f64, self.range[0] + step.1 * j as f64), step) < rounding
             })
         })
     }
@@ -213,7 +253,7 @@ impl Footprint {
         let (mut psi, mut beta) = start;
         for _ in 0..MOST_NEWTON_STEPS {
             let ([by_psi, by_beta], [psi_psi, psi_beta, beta_beta]) = self.derivatives(psi.sin_cos(), beta.sin_cos());
-            let is_at_border = beta <= 0.0 && by_beta > 0.0 || beta >= std::f64::consts::FRAC_PI_2 && by_beta < 0.0;
+            let is_at_border = beta <= self.range[0] && by_beta > 0.0 || beta >= self.range[1] && by_beta < 0.0;
             let (to_psi, to_beta) = if is_at_border || self.corner == 0.0 {
                 (-by_psi / psi_psi, 0.0)
             } else {
@@ -223,7 +263,7 @@ impl Footprint {
                 }
                 ((psi_beta * by_beta - beta_beta * by_psi) / determinant, (psi_beta * by_psi - psi_psi * by_beta) / determinant)
             };
-            let next = (psi + to_psi, (beta + to_beta).clamp(0.0, std::f64::consts::FRAC_PI_2));
+            let next = (psi + to_psi, (beta + to_beta).clamp(self.range[0], self.range[1]));
             if psi_psi <= 0.0 || !((next.0 - start.0).abs() <= step.0 && (next.1 - start.1).abs() <= step.1) {
                 return None;
             }
@@ -240,8 +280,8 @@ impl Footprint {
     fn derivatives(&self, (sin_psi, cos_psi): (f64, f64), (sin_beta, cos_beta): (f64, f64)) -> ([f64; 2], [f64; 3]) {
         let (a, r, sin, cos, surface) = (self.core, self.corner, self.sin, self.cos, &self.surface);
         let (around, down) = (a + r * sin_beta, r * cos_beta);
-        let outwards = a * (1.0 - cos_psi) + r * (sin - sin_beta * cos_psi);
-        let upwards = r * (cos - cos_beta);
+        let outwards = self.offset[0] + a * (1.0 - cos_psi) + r * (sin - sin_beta * cos_psi);
+        let upwards = self.offset[1] + r * (cos - cos_beta);
         // Components along the steepest line, the level line and the normal.
         let parts = |outwards: f64, level: f64, upwards: f64| [outwards * cos - upwards * sin, level, outwards * sin + upwards * cos];
         let bend = |[steep, level, _]: [f64; 3], [other_steep, other_level, _]: [f64; 3]| {
@@ -276,7 +316,7 @@ impl Footprint {
             for (towards_psi, towards_beta) in
                 [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
             {
-                let next = (psi + towards_psi * psi_step, (beta + towards_beta * beta_step).clamp(0.0, std::f64::consts::FRAC_PI_2));
+                let next = (psi + towards_psi * psi_step, (beta + towards_beta * beta_step).clamp(self.range[0], self.range[1]));
                 let height = at(next.0, next.1);
                 if height < lowest {
                     (lowest, psi, beta) = (height, next.0, next.1);
@@ -303,17 +343,18 @@ impl Footprint {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::f64::consts::FRAC_PI_2;
 
     proptest! {
         /// The error of central differences is of the order of the step's square, 1e-8, and of the roundings over the step.
         #[test]
         fn derivatives_are_those_of_central_differences(
             core in 0.0..5.0_f64, corner in 0.0..5.0_f64, slope in 0.0..1.57_f64, psi in -3.1..3.1_f64, beta in 0.0..1.57_f64,
-            (along, across, twist) in (-0.3..0.3_f64, -0.3..0.3_f64, -0.3..0.3_f64),
+            (along, across, twist) in (-0.3..0.3_f64, -0.3..0.3_f64, -0.3..0.3_f64), offset in [-1.0..1.0_f64, 0.0..1.0_f64],
         ) {
             let (sin, cos) = slope.sin_cos();
             let surface = SurfaceCurvature::from_components_per_mm(along, across, twist).unwrap();
-            let footprint = Footprint { core, corner, sin, cos, surface };
+            let footprint = Footprint { core, corner, offset, range: [0.0, FRAC_PI_2], sin, cos, surface };
             let (step, epsilon) = (1e-4, 1e-5);
             let height = |psi: f64, beta: f64| footprint.height(psi.sin_cos(), beta.sin_cos());
             let slopes = |psi: f64, beta: f64| footprint.derivatives(psi.sin_cos(), beta.sin_cos()).0;

@@ -81,18 +81,6 @@ impl EvaluatedPass {
         }
     }
 
-    /// How much the normal of a curved surface turns from the stated contact to the marks at the ridge, under model
-    /// `envelope`: the tangent of the largest angle, as a share of the smaller of sine and cosine of the slope. 0 on a
-    /// plane, for a ball-end cutter and under model `analytic`. Infinite if the answers neglect the turning: for a
-    /// flat-end cutter, from a turn of twice the slope on, and if no ridge was found with it.
-    #[must_use]
-    pub fn largest_turn(&self, step_over: Length, feed_per_tooth: Option<Length>) -> f64 {
-        match &self.prepared {
-            PreparedModel::Analytic(_) => 0.0,
-            PreparedModel::Envelope(model) => model.largest_turn(step_over, feed_per_tooth),
-        }
-    }
-
     /// The effective radius across the feed, radial runout included; `None` if it is infinite.
     #[must_use]
     pub fn effective_radius(&self) -> Option<Length> {
@@ -137,11 +125,13 @@ impl EvaluatedPass {
         }
     }
 
-    /// The total of [`EvaluatedPass::scallop_height`], without its parts where these take searches of their own.
-    pub(crate) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+    /// [`EvaluatedPass::scallop_height`], all of which counts as h1 where the parts take searches of their own.
+    pub(crate) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
         match &self.prepared {
-            PreparedModel::Envelope(model) if self.pass().surface.is_plane() => model.total_height(step_over, feed_per_tooth),
-            _ => self.scallop_height(step_over, feed_per_tooth).map(ScallopHeight::total),
+            PreparedModel::Envelope(model) if self.pass().surface.is_plane() => {
+                model.total_height(step_over, feed_per_tooth).map(|total| ScallopHeight::of_parts(total, Length::ZERO))
+            }
+            _ => self.scallop_height(step_over, feed_per_tooth),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Model warnings: assumptions of a model that are near their limits at a pass.
 
 use super::gouging::NEAR_GOUGING;
-use super::{CutterKind, EvaluatedPass, Model, Pass};
+use super::{EvaluatedPass, Model, Pass};
 use crate::quantity::Length;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
@@ -32,10 +32,10 @@ pub enum ModelWarning {
         /// The cutter's diameter.
         diameter: Length,
     },
-    /// A flat-end cutter's corner leaves sharp marks, and wears.
+    /// The sharp corner of a flat-end cutter or of a profile leaves sharp marks, and wears.
     SharpMarks,
     /// On a curved surface the slope and feed direction change so much from mark to mark that the height is only
-    /// approximate. This is so at every slope under 10 deg; if [`EvaluatedPass::largest_turn`] exceeds 0.1; and near
+    /// approximate. This is so at every slope under 10 deg; if [`ScallopHeight::largest_turn`](crate::milling::ScallopHeight::largest_turn) exceeds 0.1; and near
     /// walls, if the normal turns by more than a fifth of the remaining angle to 90 deg between two marks.
     CurvatureApproximate,
     /// The cutter fits closely into the concave surface, so that the second order of the surface is not accurate
@@ -52,7 +52,7 @@ impl fmt::Display for ModelWarning {
             Self::RunoutNotSmall { ratio } => {
                 write!(
                     f,
-                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark, and the height due to the feed is then not an upper bound",
+                    "the runout is {:.1} % of the feed per tooth, which is not small: some teeth may leave no mark; the published height of the tooth marks is no upper bound with runout, model \"envelope\" has one",
                     ratio * 100.0
                 )
             }
@@ -102,19 +102,26 @@ const STEEP_ENOUGH_DEG: f64 = 10.0;
 
 impl EvaluatedPass {
     /// All warnings about this pass at a step-over along the surface and a feed per tooth; `None` leaves no marks.
+    /// `largest_turn` is that of the height there.
     ///
     /// The limits of the circle and of the published runout concern model `analytic`, the turning of the normal model
     /// `envelope`.
-    pub fn warnings(&self, step_over: Length, feed_per_tooth: Option<Length>) -> impl Iterator<Item = ModelWarning> + use<> {
+    pub fn warnings(
+        &self,
+        step_over: Length,
+        feed_per_tooth: Option<Length>,
+        largest_turn: f64,
+    ) -> impl Iterator<Item = ModelWarning> + use<> {
         let pass = self.pass();
         let circle = match self.model() {
             Model::Analytic => self.circle_warnings(step_over, feed_per_tooth),
             Model::Envelope => [None; 4],
         };
-        let sharp = (pass.cutter.kind() == CutterKind::FlatEnd).then_some(ModelWarning::SharpMarks);
+        let is_sharp = pass.cutter.profile().arc_at(pass.contact.slope().radians()).radius == 0.0;
+        let sharp = is_sharp.then_some(ModelWarning::SharpMarks);
         let counts = || {
             pass.contact.slope().degrees() < STEEP_ENOUGH_DEG
-                || self.largest_turn(step_over, feed_per_tooth) > SMALL_TURN
+                || largest_turn > SMALL_TURN
                 || turns_towards_wall(pass, step_over, feed_per_tooth)
         };
         let third_order = self.model() == Model::Envelope && !pass.surface.is_plane() && counts();

@@ -1,6 +1,6 @@
 //! The reasons why a valid pass has no scallop height, feed or step-over, with the figures that help to correct it.
 
-use crate::quantity::Length;
+use crate::quantity::{Angle, Length};
 use std::fmt;
 
 /// The reason why a valid pass has no answer, with the bound that it exceeds.
@@ -8,6 +8,14 @@ use std::fmt;
 pub enum NoAnswer {
     /// On a floor the groove of a toroidal or flat-end cutter has no curvature, on which the analytic model is based.
     FlatFloor,
+    /// The slope is that of a cone, whose flank touches along a line: the groove has no curvature, on which the analytic model
+    /// is based.
+    StraightFlank,
+    /// The slope is steeper than the cutter's profile cuts: its shank would touch.
+    TooSteep {
+        /// The steepest slope.
+        steepest: Angle,
+    },
     /// The step-over is wider than the groove: uncut material remains between the passes.
     PassesDoNotOverlap {
         /// The step-over at which the grooves just meet.
@@ -80,6 +88,14 @@ impl fmt::Display for NoAnswer {
         match self {
             Self::FlatFloor => f.write_str(
                 "on a floor (slope 0) the effective radius of a toroidal or flat-end cutter is infinite and the analytic model has no answer; model \"envelope\" has one",
+            ),
+            Self::StraightFlank => f.write_str(
+                "the slope is that of the cutter's cone, whose effective radius is infinite, and the analytic model has no answer; model \"envelope\" has one",
+            ),
+            Self::TooSteep { steepest } => write!(
+                f,
+                "the cutter cuts slopes of up to {:.3} deg; on a steeper one its cone or shank would touch",
+                steepest.degrees()
             ),
             Self::PassesDoNotOverlap { largest_step_over } => {
                 write!(f, "the passes do not overlap and leave uncut material between them; the step-over must be at most {} mm", Shown(*largest_step_over))

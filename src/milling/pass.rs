@@ -146,24 +146,38 @@ pub struct ScallopHeight {
     /// The height that the tooth marks along the feed add.
     pub feed: Length,
     total: Length,
+    largest_turn: f64,
 }
 
 impl ScallopHeight {
     /// The height of two parts.
     pub(super) fn of_parts(step_over: Length, feed: Length) -> Self {
-        Self { step_over, feed, total: step_over + feed }
+        Self { step_over, feed, total: step_over + feed, largest_turn: 0.0 }
     }
 
     /// The height `total`, of which the step-over alone leaves `step_over`, or less where that exceeds it.
     pub(super) fn of_total(step_over: Length, total: Length) -> Self {
         let step_over = if total < step_over { total } else { step_over };
-        Self { step_over, feed: Length::computed(total.mm() - step_over.mm()), total }
+        Self { step_over, feed: Length::computed(total.mm() - step_over.mm()), total, largest_turn: 0.0 }
+    }
+
+    pub(super) fn with_turn(self, largest_turn: f64) -> Self {
+        Self { largest_turn, ..self }
     }
 
     /// h, the sum of both.
     #[must_use]
     pub fn total(self) -> Length {
         self.total
+    }
+
+    /// How much the normal of a curved surface turns from the stated contact to the marks at the ridge, under model
+    /// `envelope`: the tangent of the largest angle, as a share of the turn with which the contact would leave its arc of the
+    /// cutter's profile; on a torus that is the smaller of sine and cosine of the slope. 0 on a plane, for a ball, on a sharp
+    /// edge, and under model `analytic`.
+    #[must_use]
+    pub fn largest_turn(self) -> f64 {
+        self.largest_turn
     }
 
     /// The share of the feed height in the scallop height, from 0 to 1; `None` if the height is 0.

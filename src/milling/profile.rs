@@ -33,6 +33,11 @@ impl ProfileArc {
     #[must_use]
     pub fn point(&self, phi: f64) -> (f64, f64) {
         let (sin, cos) = phi.sin_cos();
+        self.point_at(sin, cos)
+    }
+
+    /// [`ProfileArc::point`] by sine and cosine of the angle.
+    pub(super) fn point_at(&self, sin: f64, cos: f64) -> (f64, f64) {
         (self.centre_offset + self.radius * sin, self.centre_height - self.radius * cos)
     }
 }
@@ -66,6 +71,8 @@ pub enum ProfileError {
     },
     /// The lowest point of the profile is not at the height 0.
     TipNotAtZero,
+    /// The profile ends at the axis.
+    NoWidth,
 }
 
 impl fmt::Display for ProfileError {
@@ -79,6 +86,7 @@ impl fmt::Display for ProfileError {
                 f.write_str("each arc begins where the one before it ends, or a straight piece with the normal of both joins them")
             }
             Self::TipNotAtZero => f.write_str("heights count from the tip: the lowest point of the profile is at 0"),
+            Self::NoWidth => f.write_str("the profile has no width: it ends at the axis"),
         }
     }
 }
@@ -142,7 +150,7 @@ impl Profile {
             if start.0.abs() > JOIN {
                 return Err(ProfileError::Join { index: 0 });
             }
-            arcs.push(corner(start, 0.0, first.from));
+            arcs.push(corner((0.0, start.1), 0.0, first.from));
         } else if start.0 < -JOIN {
             return Err(ProfileError::Join { index: 0 });
         }
@@ -161,13 +169,37 @@ impl Profile {
                 return Err(ProfileError::Join { index });
             }
         }
-        Ok(Self::of_valid_arcs(&arcs))
+        let profile = Self::of_valid_arcs(&arcs);
+        if profile.outer_radius() < JOIN { Err(ProfileError::NoWidth) } else { Ok(profile) }
     }
 
     /// The arcs from the axis outwards; their normals cover 0 to pi/2 without a gap.
     #[must_use]
     pub fn arcs(&self) -> &[ProfileArc] {
         &self.arcs[..self.count]
+    }
+
+    /// The arcs without the corner that closes a cone at the shank: what cuts.
+    pub(super) fn cutting_arcs(&self) -> &[ProfileArc] {
+        let count = self.count - usize::from(self.count > 1 && self.arcs[self.count - 1].radius == 0.0);
+        &self.arcs[..count]
+    }
+
+    /// The steepest slope in rad that the profile cuts: pi/2, or the slope of the cone at its end.
+    #[must_use]
+    pub fn steepest_cut(&self) -> f64 {
+        if self.cutting_arcs().len() < self.count { self.arcs[self.count - 1].from } else { FRAC_PI_2 }
+    }
+
+    /// Whether a straight piece, a flat or a cone, has the normal phi in rad.
+    #[must_use]
+    pub fn is_straight_at(&self, phi: f64) -> bool {
+        let has_flat = phi == 0.0 && self.arcs[0].point(0.0).0 > 0.0;
+        let joins = |pair: &[ProfileArc]| {
+            let is_common = (pair[0].to..=pair[1].from).contains(&phi);
+            is_common && pair[1].point(phi).0 - pair[0].point(phi).0 > JOIN
+        };
+        has_flat || self.arcs().windows(2).any(joins)
     }
 
     /// R, the largest radius in mm.
@@ -330,6 +362,8 @@ mod tests {
         assert_eq!(Profile::of_arcs(&[ball, side]), Err(ProfileError::Join { index: 1 }));
         assert_eq!(Profile::of_arcs(&[ProfileArc { to: -1.0, ..ball }]), Err(ProfileError::Arc { index: 0 }));
         assert_eq!(Profile::of_arcs(&[ProfileArc { centre_height: 2.5, ..ball }]), Err(ProfileError::TipNotAtZero));
+        let point = ProfileArc { radius: 0.0, centre_offset: 0.0, centre_height: 0.0, from: 0.0, to: FRAC_PI_2 };
+        assert_eq!(Profile::of_arcs(&[point]), Err(ProfileError::NoWidth));
         assert_eq!(Profile::of_arcs(&[ProfileArc { radius: f64::NAN, ..ball }]), Err(ProfileError::Arc { index: 0 }));
     }
 }

@@ -1,7 +1,8 @@
 //! A machine tool: the limits of its feed moves, its rapid rate, its spindle speed and its clearance height.
 
-use super::MachineLimits;
-use crate::quantity::{Length, Speed, SpindleSpeed};
+use super::{MachineLimits, path_time, travel_time};
+use crate::numerics::vector::{difference, length};
+use crate::quantity::{Length, Speed, SpindleSpeed, Time};
 
 /// A machine tool. Rapid moves have the acceleration and the jerk of feed moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,9 +15,82 @@ pub struct Machine {
     pub max_spindle_speed: Option<SpindleSpeed>,
     /// The height over the highest point of the surface at which rapid moves cross it.
     pub clearance_height: Length,
+    /// The tolerance within which the control rounds corners. `None`: it stops at the ends of every run and link.
+    pub path_tolerance: Option<Length>,
+    /// What multiplies every time: the time that a shop measured over the one that was stated.
+    pub time_factor: f64,
+    /// The stated time of a tool change, before `time_factor`.
+    pub tool_change: Time,
+}
+
+/// A straight move to be timed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimedMove {
+    /// Where the move begins, in mm.
+    pub from: [f64; 3],
+    /// Where it ends, in mm.
+    pub to: [f64; 3],
+    /// The feed rate; `None` for a rapid.
+    pub feed_rate: Option<Speed>,
 }
 
 impl Machine {
+    /// The time of moves in their order. Each rapid is from rest to rest. So is each run of moves at the feed rate that
+    /// follow each other: by [`path_time`] where the control has a path tolerance, else as one straight move at the mean
+    /// feed rate.
+    #[must_use]
+    pub fn time_of(&self, moves: impl IntoIterator<Item = TimedMove>) -> Time {
+        let mut seconds = 0.0;
+        let mut run = (Vec::new(), Vec::new());
+        for each in moves {
+            if let Some(feed_rate) = each.feed_rate
+                && run.0.last().is_none_or(|last| length(difference(each.from, *last)) <= 0.0)
+            {
+                if run.0.is_empty() {
+                    run.0.push(each.from);
+                }
+                run.0.push(each.to);
+                run.1.push(feed_rate);
+                continue;
+            }
+            seconds += self.run_seconds(&run.0, &run.1);
+            run.0.clear();
+            run.1.clear();
+            match each.feed_rate {
+                Some(feed_rate) => {
+                    run.0.extend([each.from, each.to]);
+                    run.1.push(feed_rate);
+                }
+                None => seconds += travel_time(Length::computed(length(difference(each.to, each.from))), self.rapid_limits()).seconds(),
+            }
+        }
+        seconds += self.run_seconds(&run.0, &run.1);
+        Time::computed(self.time_factor * seconds)
+    }
+
+    fn run_seconds(&self, points: &[[f64; 3]], feed_rates: &[Speed]) -> f64 {
+        if let Some(tolerance) = self.path_tolerance {
+            return path_time(points, feed_rates, self.limits, tolerance).seconds();
+        }
+        let (mut whole, mut at_feed) = (0.0, 0.0);
+        for (ends, feed_rate) in points.windows(2).zip(feed_rates) {
+            let step = length(difference(ends[1], ends[0]));
+            whole += step;
+            at_feed += step / feed_rate.mm_s();
+        }
+        if whole <= 0.0 {
+            return 0.0;
+        }
+        let limits = MachineLimits { feed_rate: Speed::computed(whole / at_feed), ..self.limits };
+        travel_time(Length::computed(whole), limits).seconds()
+    }
+
+    /// The time that a tool change takes.
+    #[must_use]
+    pub fn change_time(&self) -> Time {
+        Time::computed(self.time_factor * self.tool_change.seconds())
+    }
+
     /// The limits of a straight move at the rapid rate.
     #[must_use]
     pub fn rapid_limits(&self) -> MachineLimits {
@@ -26,8 +100,17 @@ impl Machine {
 
 impl From<MachineLimits> for Machine {
     /// A machine of which only the limits of feed moves are known. Its rapid rate is the feed rate, its spindle speed
-    /// has no limit, and it crosses the part 5 mm above the highest point.
+    /// has no limit, it crosses the part 5 mm above the highest point,
+    /// it stops at the ends of runs, and it changes tools in 10 s.
     fn from(limits: MachineLimits) -> Self {
-        Self { limits, rapid_rate: limits.feed_rate, max_spindle_speed: None, clearance_height: Length::computed(5.0) }
+        Self {
+            limits,
+            rapid_rate: limits.feed_rate,
+            max_spindle_speed: None,
+            clearance_height: Length::computed(5.0),
+            path_tolerance: None,
+            time_factor: 1.0,
+            tool_change: Time::computed(10.0),
+        }
     }
 }

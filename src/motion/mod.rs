@@ -1,14 +1,18 @@
-//! Machine limits, machine presets, and the time of a straight move with limited jerk. Independent of cutters and surfaces.
+//! Machine limits, machine presets, and the time of a straight move and of a path with limited jerk. Independent of cutters and surfaces.
 //!
 //! Source: Herraz et al. 2020, doi:10.1007/s00170-020-06087-y, section 2.2. The paper omits the fourth case, which is
 //! added here.
 
 mod limits;
 mod machine;
+mod path_time;
 mod presets;
+mod speed_change;
 mod travel_time;
 
 pub use limits::MachineLimits;
-pub use machine::Machine;
+pub use machine::{Machine, TimedMove};
+pub use path_time::path_time;
 pub use presets::{PRESETS, Preset};
+pub use speed_change::speed_after;
 pub use travel_time::{TravelCase, travel_time};

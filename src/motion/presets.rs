@@ -1,7 +1,7 @@
 //! Machine presets: named classes of machines with typical limits and their source.
 
 use super::MachineLimits;
-use crate::quantity::{Acceleration, Jerk, Speed};
+use crate::quantity::{Acceleration, Jerk, Length, Speed};
 
 /// A named machine with its limits and their source.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,6 +12,8 @@ pub struct Preset {
     pub description: &'static str,
     /// Feed rate of finishing, acceleration and jerk.
     pub limits: MachineLimits,
+    /// A path tolerance that is usual for finishing on such machines. It holds only where a request states it.
+    pub usual_path_tolerance: Length,
     /// The publication of the values, or "typical" if they are the usual order of magnitude of the class.
     pub source: &'static str,
 }
@@ -30,33 +32,46 @@ pub const PRESETS: [Preset; 5] = [
         name: "hobby_router",
         description: "Belt- or screw-driven hobby router with stepper motors",
         limits: limits(2500.0, 0.4, 8.0),
+        usual_path_tolerance: tolerance(0.02),
         source: "typical",
     },
     Preset {
         name: "vmc",
         description: "Three-axis vertical machining centre with ball screws",
         limits: limits(6000.0, 3.0, 25.0),
+        usual_path_tolerance: tolerance(0.01),
         source: "typical",
     },
     Preset {
         name: "five_axis_vmc",
         description: "Five-axis machining centre finishing free-form surfaces",
         limits: limits(5000.0, 6.0, 40.0),
+        usual_path_tolerance: tolerance(0.01),
         source: "Herraz et al. 2020, doi:10.1007/s00170-020-06087-y, section 4",
     },
     Preset {
         name: "five_axis_gantry",
         description: "Five-axis gantry for large moulds and aircraft parts",
         limits: limits(12_000.0, 2.5, 20.0),
+        usual_path_tolerance: tolerance(0.02),
         source: "typical",
     },
     Preset {
         name: "high_speed_mould",
         description: "High-speed mould and die machine with linear motors",
         limits: limits(15_000.0, 15.0, 200.0),
+        usual_path_tolerance: tolerance(0.005),
         source: "typical",
     },
 ];
+
+/// A path tolerance of a preset.
+const fn tolerance(mm: f64) -> Length {
+    match Length::from_mm(mm) {
+        Ok(tolerance) => tolerance,
+        Err(_) => panic!("a preset is out of bounds"),
+    }
+}
 
 /// The limits of a preset. Bounds are checked at compile time.
 const fn limits(feed_rate_mm_min: f64, acceleration_m_s2: f64, jerk_m_s3: f64) -> MachineLimits {

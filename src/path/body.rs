@@ -45,7 +45,7 @@ pub(super) struct Body {
 /// F's least value over a move for a point, where along the move it is, and the derivatives by the point's x and y.
 /// The derivative by z is -1.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Level {
+pub(super) struct BodyLevel {
     pub(super) height: f64,
     by_x: f64,
     by_y: f64,
@@ -207,9 +207,20 @@ impl Body {
         (0.0, false)
     }
 
+    /// Where along the move, in mm of plan length, F is least for the point q.
+    pub(super) fn lowest_along(&self, swept: &Swept, q: [f64; 3]) -> f64 {
+        let (x, y) = (q[0] - swept.start[0], q[1] - swept.start[1]);
+        let mut v = x * swept.along[0] + y * swept.along[1];
+        if swept.grade != 0.0 {
+            let across = (x * swept.along[1] - y * swept.along[0]).abs();
+            v -= self.back(across, swept.grade.abs()).0.copysign(swept.grade);
+        }
+        v.min(swept.length).max(0.0)
+    }
+
     /// F's least value over the move for the point q.
     #[inline]
-    pub(super) fn level(&self, swept: &Swept, q: [f64; 3]) -> Level {
+    pub(super) fn level(&self, swept: &Swept, q: [f64; 3]) -> BodyLevel {
         let (x, y) = (q[0] - swept.start[0], q[1] - swept.start[1]);
         let foot = x * swept.along[0] + y * swept.along[1];
         let mut v = foot;
@@ -226,7 +237,7 @@ impl Body {
         let (low, slope) = self.value(rho);
         // At a corner of the profile the slope is the one for which F is least there.
         let factor = at_corner.unwrap_or(if rho > 0.0 { slope / rho } else { 0.0 });
-        Level { height: swept.start[2] + swept.grade * v + low - q[2], by_x: factor * dx, by_y: factor * dy }
+        BodyLevel { height: swept.start[2] + swept.grade * v + low - q[2], by_x: factor * dx, by_y: factor * dy }
     }
 
     pub(super) fn ray(&self, point: [f64; 3], normal: [f64; 3]) -> Ray {

@@ -4,9 +4,9 @@ use super::finish::{Finish, OVER};
 use super::milled::Left;
 use super::moves::{Move, MoveKind};
 use super::places::{Place, Places};
-use crate::motion::{Machine, MachineLimits, travel_time};
+use crate::motion::{Machine, TimedMove};
 use crate::numerics::vector::{difference, length};
-use crate::quantity::{Length, Speed, Time};
+use crate::quantity::{Speed, Time};
 
 /// The most places that are listed.
 const MOST_FINDINGS: usize = 100;
@@ -20,6 +20,8 @@ pub enum FindingKind {
     Gouge,
     /// More is left than the tolerance, and the cutter could have reached the place.
     OverTolerance,
+    /// Tooth marks leave more than the tolerance where the moves themselves do not.
+    FeedTooHigh,
     /// No move comes over the place, and the cutter could have reached it.
     Uncut,
 }
@@ -36,10 +38,16 @@ pub struct Finding {
 }
 
 /// The worst places, those of each kind together and the worst first: at most a hundred, and no two of a kind closer to
-/// each other than `distance` in mm.
+/// each other than `distance` in mm. `marked` are places that the moves leave under the tolerance, with what tooth marks leave.
 #[must_use]
-pub fn findings(finish: &Finish, places: &Places, tolerance: f64, distance: f64) -> Vec<Finding> {
+pub fn findings(finish: &Finish, places: &Places, marked: &[(Place, Left)], tolerance: f64, distance: f64) -> Vec<Finding> {
     let mut all: Vec<Finding> = Vec::new();
+    let is_too_high = |left: &Left| left.height > OVER * tolerance;
+    all.extend(marked.iter().filter(|(_, left)| is_too_high(left)).map(|(place, left)| Finding {
+        kind: FindingKind::FeedTooHigh,
+        place: *place,
+        left: Some(*left),
+    }));
     let of_spot = |kind, spot: super::Spot| Finding { kind, place: spot.place, left: Some(spot.left) };
     let is_gouge = |left: &Left| left.height < finish.gouge_level;
     all.extend(finish.collision.filter(|spot| is_gouge(&spot.left)).map(|spot| of_spot(FindingKind::Collision, spot)));
@@ -80,43 +88,22 @@ pub struct PathLengths {
 }
 
 impl PathLengths {
-    /// Of these moves, with the feed rate of each; those of rapids do not count. The tool stops where moves of a kind that
-    /// follow each other end, and nowhere else: it is the time of a control that rounds every corner.
+    /// Of these moves, with the feed rate of each; those of rapids do not count.
     ///
     /// # Panics
     /// If there are fewer feed rates than moves.
     #[must_use]
     pub fn new(moves: &[Move], feeds: &[Speed], machine: &Machine) -> Self {
-        let mut lengths = Self { cutting: 0.0, rapid: 0.0, time: Time::computed(0.0) };
-        let mut seconds = 0.0;
-        let mut first = 0;
-        while first < moves.len() {
-            let is_rapid = |at: usize| moves[at].kind == MoveKind::Rapid;
-            let mut last = first + 1;
-            while last < moves.len() && is_rapid(last) == is_rapid(first) && joins(&moves[last - 1], &moves[last]) {
-                last += 1;
-            }
-            let run = &moves[first..last];
-            let speed = |at: usize| if is_rapid(first) { machine.rapid_rate } else { feeds[first + at] };
-            let of_run: f64 = run.iter().map(|each| length(difference(each.to, each.from))).sum();
-            *(if is_rapid(first) { &mut lengths.rapid } else { &mut lengths.cutting }) += of_run;
-            seconds += without_stops(run, speed, machine.limits, of_run);
-            first = last;
-        }
-        lengths.time = Time::computed(seconds);
-        lengths
+        assert!(feeds.len() >= moves.len(), "a move has no feed rate");
+        let of = |rapid: bool| {
+            let chosen = moves.iter().filter(|each| (each.kind == MoveKind::Rapid) == rapid);
+            chosen.map(|each| length(difference(each.to, each.from))).sum()
+        };
+        let timed = moves.iter().zip(feeds).map(|(each, feed)| TimedMove {
+            from: each.from,
+            to: each.to,
+            feed_rate: (each.kind != MoveKind::Rapid).then_some(*feed),
+        });
+        Self { cutting: of(false), rapid: of(true), time: machine.time_of(timed) }
     }
-}
-
-/// The time of a run from rest to rest as that of a straight move at its mean feed rate.
-fn without_stops(run: &[Move], speed: impl Fn(usize) -> Speed, limits: MachineLimits, of_run: f64) -> f64 {
-    let at_feed: f64 = run.iter().enumerate().map(|(at, each)| length(difference(each.to, each.from)) / speed(at).mm_s()).sum();
-    if of_run <= 0.0 || at_feed <= 0.0 {
-        return 0.0;
-    }
-    travel_time(Length::computed(of_run), MachineLimits { feed_rate: Speed::computed(of_run / at_feed), ..limits }).seconds()
-}
-
-fn joins(one: &Move, next: &Move) -> bool {
-    length(difference(one.to, next.from)) <= 0.0
 }

@@ -24,7 +24,7 @@ pub struct Contour {
 /// The part of the plan view in which curves are sought, and the side of the raster's cells, in mm.
 ///
 /// A region or a gap that has no node of the raster is not found. Curves that leave the area are open and end at its
-/// border. A search takes a byte for each node, [`waterlines`] eight.
+/// border. A search takes a byte for each node, a [`LevelMap`] eight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Area {
     /// The least x and y.
@@ -37,7 +37,7 @@ pub struct Area {
 
 /// The borders of the region in which `inside` returns a tip: the one at that place.
 ///
-/// The curves are found on the raster of the area. Their tips are inside, within a thousandth of the tolerance (over 0) of
+/// The curves are found on the raster of the area. Their tips are inside, within a hundredth of the tolerance (over 0) of
 /// the border. A chord leaves the inside by at most the tolerance, and keeps within it of the border and of the heights of
 /// the tips below or over it. If `stop` returns true the result is incomplete and to be discarded.
 #[must_use]
@@ -52,29 +52,40 @@ pub fn borders(
     Tracer { raster, inside, tolerance, stop }.contours(|node| labels[node])
 }
 
-/// The curves T(x, y) = z for each of the levels z in mm, as borders of the region in which a tip at the height z cuts
-/// nothing. Tolerance and `stop` as in [`borders`].
-#[must_use]
-pub fn waterlines(
-    drop: &DropCutter,
-    profile: &Profile,
-    levels: &[f64],
-    area: &Area,
-    tolerance: f64,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Vec<Vec<Contour>> {
-    let raster = Raster::of(area);
-    let heights = raster.nodes(|[x, y]| {
-        if stop() { f64::NEG_INFINITY } else { drop.drop(profile, x, y, None).map_or(f64::NEG_INFINITY, |touch| touch.height) }
-    });
-    let of_level = |&level: &f64| {
-        let inside = |[x, y]: [f64; 2]| {
-            let touch = drop.drop(profile, x, y, None);
-            touch.is_none_or(|touch| touch.height <= level + ON_LEVEL).then_some(Tip { position: [x, y, level], touch })
+/// The heights of the tips' surface on a raster, from which its level curves are found.
+#[derive(Debug, Clone)]
+pub struct LevelMap<'a> {
+    drop: &'a DropCutter,
+    profile: &'a Profile,
+    raster: Raster,
+    heights: Vec<f64>,
+}
+
+impl<'a> LevelMap<'a> {
+    /// The heights on the raster of the area. If `stop` returns true the result is incomplete and to be discarded.
+    #[must_use]
+    pub fn new(drop: &'a DropCutter, profile: &'a Profile, area: &Area, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+        let raster = Raster::of(area);
+        let heights = raster.nodes(|[x, y]| {
+            if stop() { f64::NEG_INFINITY } else { drop.drop(profile, x, y, None).map_or(f64::NEG_INFINITY, |touch| touch.height) }
+        });
+        Self { drop, profile, raster, heights }
+    }
+
+    /// The curves T(x, y) = z for each of the levels z in mm, as borders of the region in which a tip at the height z cuts
+    /// nothing. Tolerance and `stop` as in [`borders`].
+    #[must_use]
+    pub fn waterlines(&self, levels: &[f64], tolerance: f64, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Vec<Contour>> {
+        let Self { drop, profile, raster, ref heights } = *self;
+        let of_level = |&level: &f64| {
+            let inside = |[x, y]: [f64; 2]| {
+                let touch = drop.drop(profile, x, y, None);
+                touch.is_none_or(|touch| touch.height <= level + ON_LEVEL).then_some(Tip { position: [x, y, level], touch })
+            };
+            Tracer { raster, inside: &inside, tolerance, stop }.contours(|node| heights[node] <= level + ON_LEVEL)
         };
-        Tracer { raster, inside: &inside, tolerance, stop }.contours(|node| heights[node] <= level + ON_LEVEL)
-    };
-    levels.par_iter().map(of_level).collect()
+        levels.par_iter().map(of_level).collect()
+    }
 }
 
 /// The nodes at which labels are taken.
@@ -190,7 +201,7 @@ impl<F: Fn([f64; 2]) -> Option<Tip> + Sync> Tracer<'_, F> {
 
     /// The last tip inside on the line from a tip to a place outside.
     fn last_inside(&self, mut tip: Tip, mut outside: [f64; 2]) -> Tip {
-        let resolution = (1e-3 * self.tolerance).max(1e-9);
+        let resolution = (1e-2 * self.tolerance).max(1e-9);
         loop {
             let [x, y, _] = tip.position;
             if (outside[0] - x).hypot(outside[1] - y) <= resolution {

@@ -100,6 +100,11 @@ impl Under {
     }
 }
 
+/// The rounding of positions seen from above.
+fn rounding_at([x, y]: [f64; 2]) -> f64 {
+    1e-12 + 4.0 * f64::EPSILON * (x.abs() + y.abs())
+}
+
 /// A cutter over a place.
 struct Query {
     bottom: Bottom,
@@ -159,12 +164,9 @@ impl DropCutter {
     pub fn drop(&self, profile: &Profile, x: f64, y: f64, guess: Option<u32>) -> Option<Touch> {
         let bottom = Bottom::of(profile);
         let squared_radius = bottom.radius() * bottom.radius();
-        let rounding = 1e-12 + 4.0 * f64::EPSILON * (x.abs() + y.abs());
-        let query = Query { bottom, at: [x, y], squared_radius, rounding };
+        let query = Query { bottom, at: [x, y], squared_radius, rounding: rounding_at([x, y]) };
         let mut highest = Highest::NONE;
-        if let Some(&place) = guess.and_then(|facet| self.places.get(facet as usize)) {
-            query.rest_on(place as usize, &self.corners[place as usize], &mut highest);
-        }
+        self.rest_nearby(&query, guess.and_then(|facet| self.places.get(facet as usize)).map(|place| *place as usize), &mut highest);
         self.visit(
             |node, highest| query.bound(node, highest),
             |place, highest| query.rest_on(place, &self.corners[place], highest),
@@ -176,19 +178,37 @@ impl DropCutter {
     /// The height of the highest facet over or under the place (x, y), in mm.
     #[must_use]
     pub fn height_over(&self, x: f64, y: f64) -> Option<f64> {
-        let rounding = 1e-12 + 4.0 * f64::EPSILON * (x.abs() + y.abs());
+        self.highest_over([x, y]).map(|highest| highest.height)
+    }
+
+    fn highest_over(&self, at: [f64; 2]) -> Option<Highest> {
+        let rounding = rounding_at(at);
         let mut highest = Highest::NONE;
-        let bound =
-            |node: &Node, _: &Highest| if node.squared_distance([x, y]) > rounding * rounding { f64::NEG_INFINITY } else { node.top };
+        let bound = |node: &Node, _: &Highest| if node.squared_distance(at) > rounding * rounding { f64::NEG_INFINITY } else { node.top };
         let over = |place: usize, highest: &mut Highest| {
             let facet = Plane::of(&self.corners[place]);
-            if facet.is_wall() || facet.outside([x, y], rounding) != [false; 3] {
+            if facet.is_wall() || facet.outside(at, rounding) != [false; 3] {
                 return;
             }
-            highest.height = highest.height.max(facet.height([x, y]));
+            let height = facet.height(at);
+            if height > highest.height {
+                *highest = Highest { height, place, ..*highest };
+            }
         };
         self.visit(bound, over, &mut highest);
-        highest.height.is_finite().then_some(highest.height)
+        highest.height.is_finite().then_some(highest)
+    }
+
+    /// Rests the cutter on facets that are likely to be the highest: on a smooth part, where it stands on the plane of one facet, it
+    /// touches that facet or one near it. What is found rules out nearly all others.
+    fn rest_nearby(&self, query: &Query, guess: Option<usize>, highest: &mut Highest) {
+        const STEPS: usize = 3;
+        let mut next = guess.or_else(|| self.highest_over(query.at).map(|over| over.place));
+        for _ in 0..STEPS {
+            let Some(place) = next else { return };
+            query.rest_on(place, &self.corners[place], highest);
+            next = query.stood_on(&self.corners[place]).and_then(|contact| self.highest_over(contact)).map(|over| over.place);
+        }
     }
 
     /// Calls `meet` with the place of every facet that may be higher than the highest found, the most promising first.
@@ -246,6 +266,17 @@ impl Query {
         [self.at[0] + gradient[0] * uphill, self.at[1] + gradient[1] * uphill]
     }
 
+    /// The point touched by the cutter that stands on the plane of this facet, if it is not in the facet.
+    fn stood_on(&self, corners: &[[f64; 3]; 3]) -> Option<[f64; 2]> {
+        let plane = Plane::of(corners);
+        if plane.is_wall() {
+            return None;
+        }
+        let tangent = plane.tangent();
+        let contact = self.contact(plane.gradient, tangent, self.bottom.on_plane(tangent));
+        (plane.outside(contact, self.rounding) != [false; 3]).then_some(contact)
+    }
+
     /// A height over which none of a node's facets lifts the tip: of those for the top of their box, and for the part of
     /// their bounding plane in their box over the plane under the cutter's bottom. The second is sought only if the first
     /// is not low enough.
@@ -261,7 +292,12 @@ impl Query {
             let gradient = node.gradient[axis] - under.gradient[axis];
             (gradient * (node.min[axis] - self.at[axis])).max(gradient * (node.max[axis] - self.at[axis]))
         };
-        on_box.min(node.plane_at(self.at) - under.at_axis + greatest(0) + greatest(1))
+        let at_axis = node.plane_at(self.at);
+        let over_under = on_box.min(at_axis - under.at_axis + greatest(0) + greatest(1));
+        if over_under <= highest.height + INDISTINCT {
+            return over_under;
+        }
+        over_under.min(at_axis + self.bottom.on_plane(node.tangent).rise)
     }
 
     /// Raises the highest position to the one on this facet, if that is higher.

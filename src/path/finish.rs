@@ -17,7 +17,7 @@ pub const OVER: f64 = 1.02;
 const GOUGE: (f64, f64) = (0.002, 0.2);
 
 /// The number of neighbouring places whose highest stands for the ridge between them.
-const NEIGHBOURS: usize = 16;
+pub(super) const NEIGHBOURS: usize = 16;
 
 /// Places computed by one thread between two looks at `stop`.
 const AT_ONCE: usize = 256;
@@ -37,7 +37,7 @@ pub struct Finish {
     pub over_reachable: Vec<bool>,
     /// What is left in mm, over the places which the path comes over.
     pub residual: Option<Residual>,
-    /// The same over those of them that the cutter can reach or that are within the tolerance.
+    /// What is left in mm over those of them that the cutter can reach or that are within the tolerance.
     pub reached: Option<Residual>,
     /// The share of the area that is left over the tolerance, uncut area included.
     pub over_share: Share,
@@ -91,7 +91,7 @@ impl Share {
 }
 
 impl Residual {
-    fn new(mut levels: Vec<f64>) -> Option<Self> {
+    pub(super) fn new(mut levels: Vec<f64>) -> Option<Self> {
         levels.sort_unstable_by(f64::total_cmp);
         let last = levels.len().checked_sub(1)?;
         let at = |share: f64| levels[(share * last as f64).round() as usize];
@@ -178,7 +178,11 @@ fn used(left: &[Option<Left>], tolerance: f64) -> usize {
 }
 
 /// `each` of all items in their order, on all threads; `None` once `stop` returns true.
-fn looked_at<T: Sync, U: Send>(items: &[T], stop: &(dyn Fn() -> bool + Sync), each: impl Fn(usize, &T) -> U + Sync) -> Option<Vec<U>> {
+pub(super) fn looked_at<T: Sync, U: Send>(
+    items: &[T],
+    stop: &(dyn Fn() -> bool + Sync),
+    each: impl Fn(usize, &T) -> U + Sync,
+) -> Option<Vec<U>> {
     let chunks = items.par_chunks(AT_ONCE).enumerate().map(|(chunk, items)| {
         let first = chunk * AT_ONCE;
         (!stop()).then(|| items.iter().enumerate().map(|(at, item)| each(first + at, item)).collect::<Vec<U>>())

@@ -26,6 +26,14 @@ const CAPS: [f64; 3] = [0.004, 0.1, 2.0];
 /// No formula of a scallop's height is used: it holds for any path on any surface.
 #[derive(Debug, Clone)]
 pub struct Milled {
+    tools: Vec<Tool>,
+    /// The largest radius.
+    radius: f64,
+}
+
+/// A cutter and its moves.
+#[derive(Debug, Clone)]
+struct Tool {
     body: Body,
     clearing: Moves,
     rapid: Moves,
@@ -49,8 +57,8 @@ struct Moves {
 }
 
 impl Moves {
-    fn new(moves: &[Move], radius: f64, stop: &(dyn Fn() -> bool + Sync), wanted: impl Fn(MoveKind) -> bool) -> Self {
-        let chosen = || moves.iter().enumerate().filter(|(_, each)| wanted(each.kind));
+    fn new(moves: &[Move], radius: f64, stop: &(dyn Fn() -> bool + Sync), wanted: impl Fn(usize, MoveKind) -> bool) -> Self {
+        let chosen = || moves.iter().enumerate().filter(|(index, each)| wanted(*index, each.kind));
         let swept: Vec<Swept> = chosen().map(|(_, each)| Swept::new(each.from, each.to)).collect();
         let indices = chosen().map(|(index, _)| index as u32).collect();
         let grid = MoveGrid::new(&swept, radius, stop);
@@ -72,24 +80,127 @@ impl Milled {
     /// It takes about 64 bytes for each move, and at most 80 MB for the grids.
     #[must_use]
     pub fn new(profile: &Profile, moves: &[Move], stop: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
-        let radius = profile.outer_radius();
-        let clearing = Moves::new(moves, radius, stop, |kind| kind != MoveKind::Rapid);
-        let rapid = Moves::new(moves, radius, stop, |kind| kind == MoveKind::Rapid);
-        (!stop()).then(|| Self { body: Body::new(profile), clearing, rapid })
+        Self::by_several(&[*profile], |_| 0, moves, stop)
+    }
+
+    /// The solid swept by several cutters; `tool_of` is the index of the profile that runs the move with an index. `None`
+    /// once `stop` returns true.
+    #[must_use]
+    pub fn by_several(
+        profiles: &[Profile],
+        tool_of: impl Fn(usize) -> usize,
+        moves: &[Move],
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let tools = profiles.iter().enumerate().map(|(tool, profile)| {
+            let radius = profile.outer_radius();
+            let clearing = Moves::new(moves, radius, stop, |index, kind| kind != MoveKind::Rapid && tool_of(index) == tool);
+            let rapid = Moves::new(moves, radius, stop, |index, kind| kind == MoveKind::Rapid && tool_of(index) == tool);
+            Tool { body: Body::new(profile), clearing, rapid }
+        });
+        let tools: Vec<Tool> = tools.collect();
+        let radius = profiles.iter().map(Profile::outer_radius).fold(0.0, f64::max);
+        (!stop()).then_some(Self { tools, radius })
     }
 
     /// The level of material left at a place with the unit normal n, n_z >= 0: the least over all cuts and links. `None`
     /// if none of them comes within the cutter's diameter over the place.
     #[must_use]
     pub fn left_at(&self, point: [f64; 3], normal: [f64; 3]) -> Option<Left> {
-        let ray = self.body.ray(point, normal);
-        CAPS.iter().find_map(|cap| self.clearing.least(&self.body, &ray, cap * self.body.outer_radius()))
+        CAPS.iter().find_map(|cap| self.least(cap * self.radius, point, normal, |tool| &tool.clearing))
     }
 
     /// How deep a rapid move cuts below a place, as a negative height. `None` if none does.
     #[must_use]
     pub fn collision_at(&self, point: [f64; 3], normal: [f64; 3]) -> Option<Left> {
-        self.rapid.least(&self.body, &self.body.ray(point, normal), 0.0)
+        self.least(0.0, point, normal, |tool| &tool.rapid)
+    }
+
+    fn least(&self, cap: f64, point: [f64; 3], normal: [f64; 3], moves: impl Fn(&Tool) -> &Moves) -> Option<Left> {
+        let mut best: Option<Left> = None;
+        for tool in &self.tools {
+            let cap = best.map_or(cap, |best| best.height);
+            best = moves(tool).least(&tool.body, &tool.body.ray(point, normal), cap).or(best);
+        }
+        best
+    }
+
+    /// The cut or link that passes nearest, in plan view, to where the cutter touches a place: the one that was to finish it.
+    /// Moves more than half the radius above the place do not count.
+    #[must_use]
+    pub fn nearest_at(&self, point: [f64; 3], normal: [f64; 3]) -> Option<u32> {
+        let mut nearest = (f64::INFINITY, None);
+        for Tool { body, clearing: Moves { swept, indices, grid }, .. } in &self.tools {
+            let Some(grid) = grid else { continue };
+            let ray = body.ray(point, normal);
+            let (x, y) = (point[0] + ray.tip[0], point[1] + ray.tip[1]);
+            let cells = grid.around(x, y, body.outer_radius());
+            for row in cells.rows.0..=cells.rows.1 {
+                for column in cells.columns.0..=cells.columns.1 {
+                    for &at in grid.moves_in(column, row) {
+                        let swept = &swept[at as usize];
+                        let distance = swept.distance_squared(x, y);
+                        if distance < nearest.0 && swept.tangent_plane(&ray) < 0.5 * body.outer_radius() {
+                            nearest = (distance, Some(indices[at as usize]));
+                        }
+                    }
+                }
+            }
+        }
+        nearest.1
+    }
+
+    /// The cuts and links, in their order, that take more than `least` mm off what those before them left at a place.
+    pub(super) fn cuts_at(&self, point: [f64; 3], normal: [f64; 3], least: f64) -> Vec<u32> {
+        let mut all: Vec<(u32, usize, u32)> = Vec::new();
+        for (tool, Tool { body, clearing, .. }) in self.tools.iter().enumerate() {
+            let Some(grid) = &clearing.grid else { continue };
+            let cells = grid.around(point[0], point[1], body.outer_radius() + 1e-6);
+            for row in cells.rows.0..=cells.rows.1 {
+                for column in cells.columns.0..=cells.columns.1 {
+                    all.extend(grid.moves_in(column, row).iter().map(|&at| (clearing.indices[at as usize], tool, at)));
+                }
+            }
+        }
+        all.sort_unstable();
+        all.dedup();
+        let rays: Vec<Ray> = self.tools.iter().map(|tool| tool.body.ray(point, normal)).collect();
+        let mut left = CAPS[CAPS.len() - 1] * self.radius;
+        let mut cuts = Vec::new();
+        for (index, tool, at) in all {
+            let (body, swept) = (&self.tools[tool].body, &self.tools[tool].clearing.swept[at as usize]);
+            if swept.tangent_plane(&rays[tool]) < left - least
+                && let Some(level) = body.entry(swept, &rays[tool], left - least)
+            {
+                left = level;
+                cuts.push(index);
+            }
+        }
+        cuts
+    }
+
+    /// Calls `each` with the cutter and the index of every cut and link in whose reach the point is, some of them more than
+    /// once.
+    pub(super) fn each_near(&self, point: [f64; 3], mut each: impl FnMut(&Body, u32)) {
+        let [x, y, z] = point;
+        for Tool { body, clearing: Moves { swept, indices, grid }, .. } in &self.tools {
+            let Some(grid) = grid else { continue };
+            let cells = grid.around(x, y, body.outer_radius() + 1e-6);
+            for row in cells.rows.0..=cells.rows.1 {
+                for column in cells.columns.0..=cells.columns.1 {
+                    let (lowest, distance) = grid.bound(column, row, x, y);
+                    if lowest >= z || lowest + body.low(distance) > z {
+                        continue;
+                    }
+                    for &at in grid.moves_in(column, row) {
+                        let swept = &swept[at as usize];
+                        if swept.lowest < z && swept.lowest + body.low(swept.distance_squared(x, y).sqrt()) <= z {
+                            each(body, indices[at as usize]);
+                        }
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -48,7 +48,7 @@ struct Obstacle {
 pub struct Reach<'a> {
     obstacles: &'a Obstacles,
     places: &'a Places,
-    body: Body,
+    bodies: Vec<Body>,
     tolerance: f64,
     known: Vec<AtomicU8>,
 }
@@ -148,8 +148,14 @@ impl<'a> Reach<'a> {
     /// What a cutter of this profile can reach among the places; the tolerance in mm, > 0.
     #[must_use]
     pub fn new(profile: &Profile, obstacles: &'a Obstacles, places: &'a Places, tolerance: f64) -> Self {
+        Self::of_several(&[*profile], obstacles, places, tolerance)
+    }
+
+    /// What any of several cutters can reach.
+    #[must_use]
+    pub fn of_several(profiles: &[Profile], obstacles: &'a Obstacles, places: &'a Places, tolerance: f64) -> Self {
         let known = places.inside.iter().map(|_| AtomicU8::new(UNKNOWN)).collect();
-        Self { obstacles, places, body: Body::new(profile), tolerance, known }
+        Self { obstacles, places, bodies: profiles.iter().map(Body::new).collect(), tolerance, known }
     }
 
     /// Whether the cutter could reach the place with this index.
@@ -168,8 +174,10 @@ impl<'a> Reach<'a> {
     /// Whether the cutter can touch a place without cutting any other by more than the tolerance.
     #[must_use]
     pub fn can_touch(&self, place: &Place) -> bool {
-        let ray = self.body.ray(place.point, place.normal);
-        stands(&self.body, &ray).into_iter().any(|tip| !self.obstacles.are_cut(&self.body, tip, self.tolerance))
+        self.bodies.iter().any(|body| {
+            let ray = body.ray(place.point, place.normal);
+            stands(body, &ray).into_iter().any(|tip| !self.obstacles.are_cut(body, tip, self.tolerance))
+        })
     }
 
     /// The largest depth by which the cutter may cut.

@@ -10,23 +10,23 @@ use crate::surface::{Facing, Mesh, MeshBuilder, Unit};
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 
-fn cut(from: Vector3<f64>, to: Vector3<f64>) -> Move {
+pub(super) fn cut(from: Vector3<f64>, to: Vector3<f64>) -> Move {
     Move { from: from.into(), to: to.into(), kind: MoveKind::Cut }
 }
 
-fn milled(profile: &Profile, moves: &[Move]) -> Milled {
+pub(super) fn milled(profile: &Profile, moves: &[Move]) -> Milled {
     Milled::new(profile, moves, &|| false).unwrap()
 }
 
 /// A plane through the origin, with the directions of the passes and across them.
-struct Plane {
-    normal: Vector3<f64>,
+pub(super) struct Plane {
+    pub(super) normal: Vector3<f64>,
     feed: Vector3<f64>,
     across: Vector3<f64>,
 }
 
 impl Plane {
-    fn new(slope_deg: f64, azimuth_deg: f64, feed_angle_deg: f64) -> Self {
+    pub(super) fn new(slope_deg: f64, azimuth_deg: f64, feed_angle_deg: f64) -> Self {
         let (slope, azimuth, angle) = (slope_deg.to_radians(), azimuth_deg.to_radians(), feed_angle_deg.to_radians());
         let normal = Vector3::new(slope.sin() * azimuth.cos(), slope.sin() * azimuth.sin(), slope.cos());
         let level = Vector3::new(-azimuth.sin(), azimuth.cos(), 0.0);
@@ -36,7 +36,7 @@ impl Plane {
         Self { normal, feed, across: normal.cross(&feed) }
     }
 
-    fn at(&self, along: f64, across: f64) -> Vector3<f64> {
+    pub(super) fn at(&self, along: f64, across: f64) -> Vector3<f64> {
         self.feed * along + self.across * across
     }
 
@@ -48,7 +48,7 @@ impl Plane {
     }
 
     /// Passes over 40 mm across and along, in moves of this length.
-    fn passes(&self, outer: f64, corner: f64, step_over: f64, length: f64) -> Vec<Move> {
+    pub(super) fn passes(&self, outer: f64, corner: f64, step_over: f64, length: f64) -> Vec<Move> {
         let mut moves = Vec::new();
         let count = (20.0 / step_over).ceil() as i32;
         for pass in -count..=count {

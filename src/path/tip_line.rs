@@ -3,7 +3,6 @@
 use super::drop_cutter::{DropCutter, Touch};
 use crate::milling::Profile;
 use nalgebra::Vector3;
-use rayon::prelude::*;
 
 /// The shortest distance between two samples in mm. A part of the line this short over which the height changes by more
 /// than the tolerance is a vertical step.
@@ -30,8 +29,8 @@ impl Tip {
     }
 }
 
-/// The tips along the straight line `from` to `to`, both ends included. The chords between consecutive tips are at most
-/// `chord_tolerance` (over 0, in mm) under T, the height on which the tip stands, where they would cut into the part, and
+/// The tips along the straight line `from` to `to`, both ends included. With fine sampling, the chords between consecutive tips
+/// are at most the chord tolerance under T, the height on which the tip stands, where they would cut into the part, and
 /// at most that much over T.
 ///
 /// A vertical step becomes two tips at its lower, free side, so that no chord crosses the part: the line rises before the
@@ -49,39 +48,40 @@ pub fn tips_between(
     profile: &Profile,
     from: [f64; 2],
     to: [f64; 2],
-    chord_tolerance: f64,
+    sampling: &Sampling,
     floor: Option<f64>,
 ) -> Vec<Tip> {
     let line = Line::new(drop, profile, [from, to], floor);
-    simplified(line.samples(chord_tolerance), (1.0 - SAMPLING_SHARE) * chord_tolerance)
+    simplified(line.samples(sampling), (1.0 - SAMPLING_SHARE) * sampling.chord_tolerance)
 }
 
-/// [`tips_between`] for several lines, each from its first point to its second, with all threads. If `stop` returns true
-/// the result is incomplete and to be discarded.
-#[must_use]
-pub fn tips_of_lines(
-    drop: &DropCutter,
-    profile: &Profile,
-    lines: &[[[f64; 2]; 2]],
-    chord_tolerance: f64,
-    floor: Option<f64>,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Vec<Vec<Tip>> {
-    let tips = |line: &[[f64; 2]; 2]| {
-        if stop() { Vec::new() } else { tips_between(drop, profile, line[0], line[1], chord_tolerance, floor) }
-    };
-    lines.par_iter().map(tips).collect()
+/// How a line is sampled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampling {
+    /// What chords may miss in mm, over 0.
+    pub chord_tolerance: f64,
+    /// The distance in mm between samples from which refinement starts.
+    pub step: f64,
 }
 
-/// The distance in mm between samples from which refinement starts: sqrt(2 r tolerance), at least R/50; R/20 for a profile
-/// of corners.
-#[must_use]
-pub fn sample_step(profile: &Profile, tolerance: f64) -> f64 {
-    let radius = profile.outer_radius();
-    let radii = profile.arcs().iter().map(|arc| arc.radius).filter(|r| *r > 0.0);
-    match radii.min_by(f64::total_cmp) {
-        Some(r) => (2.0 * r * tolerance).sqrt().clamp(radius / 50.0, radius / 5.0),
-        None => radius / 20.0,
+impl Sampling {
+    /// So fine that no feature of the part is missed: what raises the tip by more than the tolerance is within
+    /// 2 sqrt(2 r tolerance) along the line. At least R/25; R/20 for a profile of corners.
+    #[must_use]
+    pub fn fine(profile: &Profile, chord_tolerance: f64) -> Self {
+        let radius = profile.outer_radius();
+        let radii = profile.arcs().iter().map(|arc| arc.radius).filter(|r| *r > 0.0);
+        let step = match radii.min_by(f64::total_cmp) {
+            Some(r) => (8.0 * r * chord_tolerance).sqrt().clamp(radius / 25.0, radius / 5.0),
+            None => radius / 20.0,
+        };
+        Self { chord_tolerance, step }
+    }
+
+    /// A tenth of the radius apart, for a first look: edges of the part between two samples can be missed.
+    #[must_use]
+    pub fn coarse(profile: &Profile, chord_tolerance: f64) -> Self {
+        Self { chord_tolerance, step: (profile.outer_radius() / 10.0).max(Self::fine(profile, chord_tolerance).step) }
     }
 }
 
@@ -132,8 +132,9 @@ impl<'a> Line<'a> {
     }
 
     /// The tips, close enough for chords to keep their share of the tolerance.
-    fn samples(&self, tolerance: f64) -> Vec<Tip> {
-        let parts = (self.length / sample_step(self.profile, tolerance)).ceil().max(1.0);
+    fn samples(&self, sampling: &Sampling) -> Vec<Tip> {
+        let tolerance = sampling.chord_tolerance;
+        let parts = (self.length / sampling.step).ceil().max(1.0);
         let step = self.length / parts;
         let mut last = self.sample(0.0, None);
         let mut tips = Vec::new();

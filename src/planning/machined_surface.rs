@@ -3,14 +3,14 @@
 use super::plan::{SurfaceEvidence, Workpiece};
 use crate::quantity::Angle;
 use crate::surface::mesh::{Closure, FacetClass, Pieces, Selection, SelectionError, ViewFromAbove, Visibility};
-use crate::surface::{Facing, Mesh, MeshBuilder, MeshError, Unit};
+use crate::surface::{Facing, Mesh, MeshBuilder, MeshError, SampledSurface, Shape, ShapeError, Sink, Unit};
 use std::collections::BTreeSet;
 
 /// Whether the work is cancelled.
 pub(crate) type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// The cells along each side of the raster of maps.
-const MAP_SIDE: usize = 256;
+pub(crate) const MAP_SIDE: usize = 256;
 
 /// The facets of a surface, with those that are machined.
 pub(crate) struct MachinedSurface {
@@ -24,6 +24,8 @@ pub(crate) struct MachinedSurface {
     /// The part as plans see it.
     pub(crate) workpiece: Workpiece,
     pub(crate) view: ViewFromAbove,
+    /// Whether each facet is selected.
+    selected: Vec<bool>,
 }
 
 /// The reason why a surface has no facets to machine.
@@ -83,7 +85,19 @@ impl MachinedSurface {
         let avoid =
             avoid.map(|(avoid, unit)| avoid.finish_until(unit, Facing::Any, stop).map_err(NoMachinedSurface::Avoided)).transpose()?;
         let workpiece = Workpiece::new(&mesh, &visibility, &selected, avoid.as_ref(), stop);
-        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, hidden_area_share, workpiece, view })
+        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, hidden_area_share, workpiece, view, selected })
+    }
+
+    /// The shape of the selected facets.
+    ///
+    /// # Errors
+    /// [`ShapeError`] if they do not spread over a surface.
+    pub(crate) fn selected_shape(&self, facing: Facing) -> Result<Shape, ShapeError> {
+        let mut sampled = SampledSurface::new();
+        for facet in (0..self.selected.len()).filter(|&facet| self.selected[facet]) {
+            sampled.facet(self.mesh.corners(facet));
+        }
+        sampled.shape(Unit::Millimetre, facing)
     }
 
     /// The share of the visible area, without walls, whose facets have the opposite orientation: up to a half.
@@ -110,7 +124,7 @@ impl MachinedSurface {
 
 /// The share of the selected area that is hidden from above or overhangs. The facets of a closed solid that point down
 /// are its underside, which every solid has, so that they do not count.
-fn hidden_area_share(mesh: &Mesh, visibility: &Visibility, pieces: &Pieces, selected: &[bool]) -> f64 {
+pub(crate) fn hidden_area_share(mesh: &Mesh, visibility: &Visibility, pieces: &Pieces, selected: &[bool]) -> f64 {
     let (mut hidden, mut whole) = (0.0, 0.0);
     let facets = visibility.classes().iter().zip(pieces.of_facets()).zip(selected).enumerate();
     for (facet, ((class, piece), _)) in facets.filter(|(_, (_, selected))| **selected) {

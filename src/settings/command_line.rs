@@ -7,7 +7,7 @@ use std::net::SocketAddr;
 
 use clap::{Arg, ArgAction, ArgMatches};
 
-use super::{Faults, ROWS, Row, Settings, flag, value, variable};
+use super::{ROWS, Row, SettingFaults, Settings, flag, value, variable};
 
 /// The subcommands and their flag.
 const OPENAPI: &str = "openapi";
@@ -40,7 +40,7 @@ pub enum CommandLineError {
     /// Help or the version was requested, or a flag is unknown or malformed.
     Usage(clap::Error),
     /// Settings with invalid values.
-    Faults(Faults),
+    Faults(SettingFaults),
 }
 
 impl fmt::Display for CommandLineError {
@@ -67,7 +67,7 @@ impl Command {
                 Ok(Self::OpenApi(if version.get_flag(VERSION_3_0) { OpenApiVersion::V3_0 } else { OpenApiVersion::V3_1 }))
             }
             Some((_, healthcheck)) => {
-                let mut faults = Faults(Vec::new());
+                let mut faults = SettingFaults(Vec::new());
                 let listen = faults.take("listen", &|name| of(healthcheck, name), value::address);
                 let health = faults.take("health_listen", &|name| of(healthcheck, name), value::optional_address);
                 let asked = listen.zip(health).map(|(listen, health)| health.unwrap_or(listen));

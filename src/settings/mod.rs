@@ -13,7 +13,7 @@ use http::Uri;
 use tracing::level_filters::LevelFilter;
 
 pub use command_line::{Command, CommandLineError, OpenApiVersion};
-pub use value::{CorsOrigins, LogFormat, Reason};
+pub use value::{CorsOrigins, LogFormat, SettingReason};
 
 /// The prefix of all variables.
 const PREFIX: &str = "SCALLOPD_";
@@ -46,8 +46,8 @@ macro_rules! settings {
             ///
             /// # Errors
             /// Every fault, each with its flag and variable.
-            fn read(given: Given<'_>) -> Result<Self, Faults> {
-                let mut faults = Faults(Vec::new());
+            fn read(given: Given<'_>) -> Result<Self, SettingFaults> {
+                let mut faults = SettingFaults(Vec::new());
                 $(let $name = faults.take(stringify!($name), given, $read);)+
                 let read = || Some(Self { $($name: $name?,)+ });
                 read().ok_or(faults)
@@ -123,16 +123,16 @@ fn flag(name: &str) -> String {
 
 /// A setting with an invalid value.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fault {
+pub struct SettingFault {
     /// The setting's name in the table.
     pub name: &'static str,
     /// The value given by the flag or the variable.
     pub given: String,
     /// The reason why the value is invalid.
-    pub reason: Reason,
+    pub reason: SettingReason,
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for SettingFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "--{} or {}: {:?} {}", flag(self.name), variable(self.name), self.given, self.reason)
     }
@@ -140,21 +140,21 @@ impl fmt::Display for Fault {
 
 /// All settings with invalid values.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Faults(pub Vec<Fault>);
+pub struct SettingFaults(pub Vec<SettingFault>);
 
-impl Faults {
+impl SettingFaults {
     /// Parses the value given for the setting `name`. If that fails, adds the fault and returns `None`.
-    fn take<T>(&mut self, name: &'static str, given: Given<'_>, read: impl FnOnce(&str) -> Result<T, Reason>) -> Option<T> {
+    fn take<T>(&mut self, name: &'static str, given: Given<'_>, read: impl FnOnce(&str) -> Result<T, SettingReason>) -> Option<T> {
         let given = given(name);
-        read(given.trim()).map_err(|reason| self.0.push(Fault { name, given, reason })).ok()
+        read(given.trim()).map_err(|reason| self.0.push(SettingFault { name, given, reason })).ok()
     }
 }
 
-impl fmt::Display for Faults {
+impl fmt::Display for SettingFaults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "these settings are invalid:")?;
         self.0.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
     }
 }
 
-impl std::error::Error for Faults {}
+impl std::error::Error for SettingFaults {}

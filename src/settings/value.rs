@@ -28,7 +28,7 @@ pub enum CorsOrigins {
 
 /// The reason why a value is invalid.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Reason {
+pub enum SettingReason {
     /// It is not an IP address with a port.
     Address,
     /// It is not a whole number within the bounds.
@@ -53,7 +53,7 @@ pub enum Reason {
     NotBuiltIn,
 }
 
-impl fmt::Display for Reason {
+impl fmt::Display for SettingReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Address => write!(f, "is not an IP address with a port, such as 0.0.0.0:8080 or [::1]:8080"),
@@ -67,65 +67,65 @@ impl fmt::Display for Reason {
     }
 }
 
-fn whole(given: &str, minimum: u64, maximum: u64) -> Result<u64, Reason> {
-    given.parse().ok().filter(|number| (minimum..=maximum).contains(number)).ok_or(Reason::WholeNumber { minimum, maximum })
+fn whole(given: &str, minimum: u64, maximum: u64) -> Result<u64, SettingReason> {
+    given.parse().ok().filter(|number| (minimum..=maximum).contains(number)).ok_or(SettingReason::WholeNumber { minimum, maximum })
 }
 
-pub(super) fn address(given: &str) -> Result<SocketAddr, Reason> {
-    given.parse().map_err(|_| Reason::Address)
+pub(super) fn address(given: &str) -> Result<SocketAddr, SettingReason> {
+    given.parse().map_err(|_| SettingReason::Address)
 }
 
 /// An address; `None` for an empty text.
-pub(super) fn optional_address(given: &str) -> Result<Option<SocketAddr>, Reason> {
+pub(super) fn optional_address(given: &str) -> Result<Option<SocketAddr>, SettingReason> {
     if given.is_empty() { Ok(None) } else { address(given).map(Some) }
 }
 
 /// Sizes up to a tebibyte, in bytes or with a unit: `64MB`, `1.5 GiB`.
-pub(super) fn size(given: &str) -> Result<u64, Reason> {
+pub(super) fn size(given: &str) -> Result<u64, SettingReason> {
     size_from(1, given)
 }
 
 /// The smallest memory budget that leaves room for one ordinary request of each kind.
 const MIN_BUDGET: u64 = 64 << 20;
 
-pub(super) fn budget(given: &str) -> Result<u64, Reason> {
+pub(super) fn budget(given: &str) -> Result<u64, SettingReason> {
     size_from(MIN_BUDGET, given)
 }
 
-fn size_from(minimum: u64, given: &str) -> Result<u64, Reason> {
+fn size_from(minimum: u64, given: &str) -> Result<u64, SettingReason> {
     let size = given.parse().map(|ByteSize(bytes)| bytes).ok();
-    size.filter(|bytes| (minimum..=1 << 40).contains(bytes)).ok_or(Reason::Size { minimum })
+    size.filter(|bytes| (minimum..=1 << 40).contains(bytes)).ok_or(SettingReason::Size { minimum })
 }
 
 /// A count, from 1 to a million.
-pub(super) fn count(given: &str) -> Result<usize, Reason> {
+pub(super) fn count(given: &str) -> Result<usize, SettingReason> {
     // A million fits `usize` on every supported platform.
     whole(given, 1, 1_000_000).map(|number| usize::try_from(number).unwrap_or(usize::MAX))
 }
 
 /// Whole seconds, up to a day.
-pub(super) fn seconds(given: &str) -> Result<Duration, Reason> {
+pub(super) fn seconds(given: &str) -> Result<Duration, SettingReason> {
     whole(given, 0, 86_400).map(Duration::from_secs)
 }
 
-pub(super) fn seconds_from_1(given: &str) -> Result<Duration, Reason> {
+pub(super) fn seconds_from_1(given: &str) -> Result<Duration, SettingReason> {
     whole(given, 1, 86_400).map(Duration::from_secs)
 }
 
 /// Whole seconds; `None` for an empty text.
-pub(super) fn optional_seconds(given: &str) -> Result<Option<Duration>, Reason> {
+pub(super) fn optional_seconds(given: &str) -> Result<Option<Duration>, SettingReason> {
     if given.is_empty() { Ok(None) } else { seconds(given).map(Some) }
 }
 
-pub(super) fn log_format(given: &str) -> Result<LogFormat, Reason> {
+pub(super) fn log_format(given: &str) -> Result<LogFormat, SettingReason> {
     match given {
         "pretty" => Ok(LogFormat::Pretty),
         "json" => Ok(LogFormat::Json),
-        _ => Err(Reason::Word("pretty, json")),
+        _ => Err(SettingReason::Word("pretty, json")),
     }
 }
 
-pub(super) fn level(given: &str) -> Result<LevelFilter, Reason> {
+pub(super) fn level(given: &str) -> Result<LevelFilter, SettingReason> {
     match given {
         "off" => Ok(LevelFilter::OFF),
         "error" => Ok(LevelFilter::ERROR),
@@ -133,12 +133,12 @@ pub(super) fn level(given: &str) -> Result<LevelFilter, Reason> {
         "info" => Ok(LevelFilter::INFO),
         "debug" => Ok(LevelFilter::DEBUG),
         "trace" => Ok(LevelFilter::TRACE),
-        _ => Err(Reason::Word("off, error, warn, info, debug, trace")),
+        _ => Err(SettingReason::Word("off, error, warn, info, debug, trace")),
     }
 }
 
 /// A comma-separated list of origins. `*` alone allows any, an empty list none.
-pub(super) fn origins(given: &str) -> Result<CorsOrigins, Reason> {
+pub(super) fn origins(given: &str) -> Result<CorsOrigins, SettingReason> {
     if given == "*" {
         return Ok(CorsOrigins::Any);
     }
@@ -146,8 +146,8 @@ pub(super) fn origins(given: &str) -> Result<CorsOrigins, Reason> {
 }
 
 /// An origin as browsers send it: scheme, host and port. An address with a path would never match.
-fn origin(item: &str) -> Result<HeaderValue, Reason> {
-    let wrong = || Reason::Origin(item.to_owned());
+fn origin(item: &str) -> Result<HeaderValue, SettingReason> {
+    let wrong = || SettingReason::Origin(item.to_owned());
     let uri: Uri = item.parse().map_err(|_| wrong())?;
     let (Some(scheme), Some(authority)) = (uri.scheme(), uri.authority()) else { return Err(wrong()) };
     if format!("{scheme}://{authority}") != item {
@@ -157,16 +157,16 @@ fn origin(item: &str) -> Result<HeaderValue, Reason> {
 }
 
 /// The collector's address; `None` for an empty text.
-pub(super) fn collector(given: &str) -> Result<Option<Uri>, Reason> {
+pub(super) fn collector(given: &str) -> Result<Option<Uri>, SettingReason> {
     if given.is_empty() {
         return Ok(None);
     }
     if !cfg!(feature = "otlp") {
-        return Err(Reason::NotBuiltIn);
+        return Err(SettingReason::NotBuiltIn);
     }
-    let uri: Uri = given.parse().map_err(|_| Reason::Collector)?;
+    let uri: Uri = given.parse().map_err(|_| SettingReason::Collector)?;
     let usable = uri.scheme_str() == Some("http") && uri.authority().is_some() && uri.query().is_none();
-    usable.then_some(Some(uri)).ok_or(Reason::Collector)
+    usable.then_some(Some(uri)).ok_or(SettingReason::Collector)
 }
 
 #[cfg(test)]
@@ -178,7 +178,7 @@ mod tests {
         assert_eq!(count("1"), Ok(1));
         assert_eq!(count("1000000"), Ok(1_000_000));
         for wrong in ["0", "1000001", "-1", "1.5", "", "1e3"] {
-            assert_eq!(count(wrong), Err(Reason::WholeNumber { minimum: 1, maximum: 1_000_000 }), "{wrong}");
+            assert_eq!(count(wrong), Err(SettingReason::WholeNumber { minimum: 1, maximum: 1_000_000 }), "{wrong}");
         }
         assert_eq!(seconds("0"), Ok(Duration::ZERO));
         assert!(seconds_from_1("0").is_err());
@@ -192,7 +192,7 @@ mod tests {
             assert_eq!(size(given), Ok(bytes), "{given}");
         }
         for wrong in ["", "0", "MB", "-1MB", "1 parsec", "2TiB", "1e400MB", "99999999999999999999"] {
-            assert_eq!(size(wrong), Err(Reason::Size { minimum: 1 }), "{wrong}");
+            assert_eq!(size(wrong), Err(SettingReason::Size { minimum: 1 }), "{wrong}");
         }
         assert!(budget("1MB").is_err());
     }
@@ -214,7 +214,7 @@ mod tests {
         assert_eq!(collector(""), Ok(None));
         assert_eq!(collector("http://collector:4318"), Ok(Some("http://collector:4318".parse().unwrap())));
         for wrong in ["https://collector:4318", "collector:4318", "grpc://collector:4317", "/v1/traces"] {
-            assert_eq!(collector(wrong), Err(Reason::Collector), "{wrong}");
+            assert_eq!(collector(wrong), Err(SettingReason::Collector), "{wrong}");
         }
     }
 }

@@ -4,6 +4,7 @@
 use super::piece::Piece;
 use super::{Bounds, LARGEST_COORDINATE, PrincipalAxes, Unit};
 use crate::quantity::{Angle, Area, FormFactor};
+use nalgebra::Matrix3;
 use std::fmt;
 
 /// The elements from which a shape was computed.
@@ -29,8 +30,12 @@ pub struct Shape {
     pub basis: Basis,
     /// The number of these points or facets.
     pub elements: u64,
+    /// The covariance matrix of the coordinates, in mm^2 [eq. 15]. Symmetric.
+    pub covariance: [[f64; 3]; 3],
     /// The eigenvalues l1 >= l2 >= l3 of the covariance matrix [eq. 16].
     pub eigenvalues: [Area; 3],
+    /// The unit eigenvectors e1, e2 = e3 x e1 and e3. e3 points up, e1 to the half plane y > 0.
+    pub eigenvectors: [[f64; 3]; 3],
     /// mu = sqrt(l1/l2), the ratio of sides of the rectangle with the same variances [eq. 17].
     pub form_factor: FormFactor,
     /// chi = 12 sqrt(l1 l2), the area of that rectangle [eq. 18].
@@ -120,10 +125,10 @@ impl Shape {
         if l2 <= rounding.max(COLLINEAR * l1) {
             return Err(ShapeError::Collinear);
         }
-        Ok(Self::from_axes(axes, basis, piece, centroid, unit.mm()))
+        Ok(Self::from_axes(axes, covariance, basis, piece, centroid, unit.mm()))
     }
 
-    fn from_axes(axes: PrincipalAxes, basis: Basis, piece: &Piece, centroid: [f64; 3], mm: f64) -> Self {
+    fn from_axes(axes: PrincipalAxes, covariance: Matrix3<f64>, basis: Basis, piece: &Piece, centroid: [f64; 3], mm: f64) -> Self {
         let [l1, l2, l3] = axes.variances();
         let [e1, _, e3] = axes.directions();
         let is_level = e3[0].hypot(e3[1]) <= DIRECTIONLESS;
@@ -134,6 +139,8 @@ impl Shape {
         Self {
             basis,
             elements: piece.count,
+            covariance: without_noise((covariance * mm * mm).into(), l1 * mm * mm),
+            eigenvectors: without_noise(axes.directions(), 1.0),
             eigenvalues: [l1, l2, l3].map(|variance| Area::computed(variance * mm * mm)),
             form_factor: FormFactor::computed((l1 / l2).sqrt()),
             // The product of the roots, because the product of the variances can overflow or underflow.
@@ -149,6 +156,11 @@ impl Shape {
             bounds: piece.bounds.scaled(mm),
         }
     }
+}
+
+/// The matrix with 0 for entries that are only the rounding errors of sums of this magnitude.
+fn without_noise(matrix: [[f64; 3]; 3], magnitude: f64) -> [[f64; 3]; 3] {
+    matrix.map(|row| row.map(|entry| if entry.abs() < 1e-13 * magnitude { 0.0 } else { entry }))
 }
 
 /// The angle between two lines, 0 to pi/2, from the sine and cosine of their difference.

@@ -1,6 +1,6 @@
 //! Detects the format of a library file by its content, and reads the files of a zip.
 
-use super::library_fault::{Flaw, LibraryFault, LibraryFaultKind, LibraryFaults, quoted};
+use super::library_fault::{LibraryFault, LibraryFaultKind, LibraryFaults, LibraryFlaw, quoted};
 use super::{ToolLibrary, ToolPlace, csv, freecad, fusion};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
 use crate::cancellation::CancelFlag;
@@ -20,7 +20,7 @@ const EXPECTED: &str = "a tool library: JSON of Fusion or FreeCAD, a zip of them
 /// Reads a library of any format. Once `cancel` is set, it returns early.
 pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
     if bytes.len() > LARGEST {
-        let flaw = Flaw::too_large(format!("a file of at most {LARGEST} bytes"), format!("{} bytes", bytes.len()));
+        let flaw = LibraryFlaw::too_large(format!("a file of at most {LARGEST} bytes"), format!("{} bytes", bytes.len()));
         return Err(flaw.in_file(file).into());
     }
     if Archive::is_archive(bytes) {
@@ -29,7 +29,7 @@ pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: 
         read_plain(bytes, file, None, library, cancel)?;
     }
     if library.count() == 0 {
-        return Err(Flaw::new(LibraryFaultKind::Empty, "a tool", "none").in_file(file).into());
+        return Err(LibraryFlaw::new(LibraryFaultKind::Empty, "a tool", "none").in_file(file).into());
     }
     Ok(())
 }
@@ -45,11 +45,11 @@ struct Members<'a> {
 }
 
 impl<'a> Members<'a> {
-    fn of(text: &'a str) -> Result<Self, Flaw> {
-        let flaw = |error| Flaw::json(EXPECTED, &error);
+    fn of(text: &'a str) -> Result<Self, LibraryFlaw> {
+        let flaw = |error| LibraryFlaw::json(EXPECTED, &error);
         if text.trim_start().starts_with('[') {
             let _syntax: IgnoredAny = serde_json::from_str(text).map_err(flaw)?;
-            return Err(Flaw::malformed(EXPECTED, "an array"));
+            return Err(LibraryFlaw::malformed(EXPECTED, "an array"));
         }
         serde_json::from_str(text).map_err(flaw)
     }
@@ -57,7 +57,8 @@ impl<'a> Members<'a> {
 
 /// Reads a file that is not an archive. `number` is the tool's number in a list of FreeCAD.
 fn read_plain(bytes: &[u8], file: &str, number: Option<u32>, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
-    let unknown = |found: &'static str| LibraryFaults::from(Flaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file));
+    let unknown =
+        |found: &'static str| LibraryFaults::from(LibraryFlaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file));
     let text = decoded(bytes, cancel).map_err(unknown)?;
     if !text.trim_start().starts_with(['{', '[']) {
         return csv::read(&text, file, library, cancel);
@@ -104,7 +105,7 @@ impl Listed {
     fn add(&mut self, tools: Vec<freecad::ListedTool>, list: &str) -> Result<(), LibraryFault> {
         for (index, tool) in tools.into_iter().enumerate() {
             if self.0.len() >= LIMITS.entries {
-                return Err(Flaw::too_large(format!("at most {} listed tools", LIMITS.entries), "more").in_file(list));
+                return Err(LibraryFlaw::too_large(format!("at most {} listed tools", LIMITS.entries), "more").in_file(list));
             }
             let file = ListedFile { number: tool.number, list: list.to_owned(), position: index + 1, is_found: false };
             self.0.entry(tool.file.to_lowercase()).or_insert(file);
@@ -117,7 +118,7 @@ impl Listed {
         let mut missing: Vec<_> = self.0.into_iter().filter(|(_, file)| !file.is_found).collect();
         missing.sort_by(|(_, one), (_, other)| (&one.list, one.position).cmp(&(&other.list, other.position)));
         for (name, file) in missing {
-            let flaw = Flaw::malformed("every listed tool in the zip", format!("no file {} in the zip", quoted(&name)));
+            let flaw = LibraryFlaw::malformed("every listed tool in the zip", format!("no file {} in the zip", quoted(&name)));
             let place = ToolPlace { file: &file.list, position: file.position, name: Some(&name) };
             library.add(Err(flaw.of_member("path").into()), &place).map_err(|flaw| flaw.in_file(&file.list))?;
         }
@@ -186,7 +187,7 @@ fn read_tool_file(
     let text = match decoded(bytes, cancel) {
         Ok(text) => text,
         Err(found) => {
-            let flaw = Flaw::malformed("a tool of FreeCAD in JSON", found);
+            let flaw = LibraryFlaw::malformed("a tool of FreeCAD in JSON", found);
             let name = path.rsplit('/').next();
             library.add(Err(flaw.into()), &ToolPlace { file: path, position: 1, name }).map_err(|flaw| flaw.in_file(path))?;
             return Ok(());
@@ -201,7 +202,7 @@ fn is_companion(name: &str) -> bool {
 }
 
 fn nested(path: &str) -> LibraryFault {
-    Flaw::too_large("no zip inside a zip", "one").in_file(path)
+    LibraryFlaw::too_large("no zip inside a zip", "one").in_file(path)
 }
 
 /// The extension of a file's name, in lower case.
@@ -209,9 +210,9 @@ fn extension(name: &str) -> String {
     name.rsplit_once('.').map_or("", |(_, extension)| extension).to_lowercase()
 }
 
-fn flaw(fault: &ArchiveFault) -> Flaw {
+fn flaw(fault: &ArchiveFault) -> LibraryFlaw {
     let kind = if fault.is_limit() { LibraryFaultKind::TooLarge } else { LibraryFaultKind::Malformed };
-    Flaw::new(kind, "a ZIP archive within its limits", fault.to_string())
+    LibraryFlaw::new(kind, "a ZIP archive within its limits", fault.to_string())
 }
 
 /// A file as text: UTF-8, UTF-16 with a byte-order mark, or otherwise Latin-1. The error describes a binary file. Once

@@ -1,6 +1,7 @@
 //! Reader of cutters in CSV, one on each line after a header:
 //! `name,type,diameter_mm,corner_radius_mm,teeth,spindle_speed_rpm,max_feed_per_tooth_mm`, with `_in` for inches in
-//! place of `_mm`; also `number`, `flute_length_mm` and `preset`.
+//! place of `_mm`; also `number`, `flute_length_mm` and `preset`, and the dimensions of other shapes: `taper_deg`,
+//! `shank_diameter_mm`, `lens_radius_mm`, `tip_radius_mm`, `side_radius_mm`.
 //!
 //! Fusion's own table, exported as CSV or copied with tabs, has columns such as `Diameter (tool_diameter)`, and the unit
 //! of each tool in a column. Names and units of catalogues are read too: `Dia (mm)`, `Flutes`, `Description`.
@@ -9,9 +10,9 @@
 //! semicolon or a tab; a line `sep=;` before the header states it. A decimal comma is accepted if the comma is not the
 //! separator, or in quotation marks.
 
-use super::cutter_shape::Shape;
+use super::cutter_shape::{Dimension, Dimensions, LibraryShape};
 use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number, unambiguous_thousands};
-use super::library_fault::{Flaw, Flaws, LibraryFaults, quoted};
+use super::library_fault::{Flaws, LibraryFaults, LibraryFlaw, quoted};
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;
@@ -32,6 +33,13 @@ enum Column {
     CornerRadius(ColumnUnit),
     MaxFeedPerTooth(ColumnUnit),
     FluteLength(ColumnUnit),
+    ShankDiameter(ColumnUnit),
+    LensRadius(ColumnUnit),
+    TipRadius(ColumnUnit),
+    SideRadius(ColumnUnit),
+    UpperRadius(ColumnUnit),
+    /// In degrees.
+    Taper,
 }
 
 /// The unit of a column of lengths.
@@ -50,9 +58,9 @@ const LARGEST: usize = 4 << 20;
 /// # Errors
 /// The file is not a table, or its header has faults, or the library is full.
 pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
-    let refused = |flaw: Flaw| LibraryFaults::from(flaw.in_file(file));
+    let refused = |flaw: LibraryFlaw| LibraryFaults::from(flaw.in_file(file));
     if text.len() > LARGEST {
-        return Err(refused(Flaw::too_large(format!("a table of at most {LARGEST} bytes"), format!("{} bytes", text.len()))));
+        return Err(refused(LibraryFlaw::too_large(format!("a table of at most {LARGEST} bytes"), format!("{} bytes", text.len()))));
     }
     let (separator, text) = separator(text);
     let mut records = ::csv::ReaderBuilder::new()
@@ -67,7 +75,7 @@ pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &C
     let mut position = 0;
     loop {
         let more = records.read_record(&mut record);
-        let has_more = more.map_err(|error| refused(Flaw::malformed("a table in CSV", super::shortened(&error.to_string()))))?;
+        let has_more = more.map_err(|error| refused(LibraryFlaw::malformed("a table in CSV", super::shortened(&error.to_string()))))?;
         if !has_more || cancel.is_cancelled() {
             break;
         }
@@ -83,7 +91,7 @@ pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &C
         library.add(row.read(position), &ToolPlace { file, position, name: row.text(Column::Name) }).map_err(refused)?;
     }
     if table.is_none() {
-        return Err(refused(Flaw::new(super::LibraryFaultKind::Empty, "a header and a line for each cutter", "nothing")));
+        return Err(refused(LibraryFlaw::new(super::LibraryFaultKind::Empty, "a header and a line for each cutter", "nothing")));
     }
     Ok(())
 }
@@ -125,13 +133,13 @@ impl Table {
             let found = quoted(&header.iter().collect::<Vec<_>>().join(","));
             let expected =
                 "a tool library: JSON of Fusion or FreeCAD, a zip of them, or CSV with the columns type and diameter_mm or diameter_in";
-            flaws.push(Flaw::new(super::LibraryFaultKind::UnknownFormat, expected, found));
+            flaws.push(LibraryFlaw::new(super::LibraryFaultKind::UnknownFormat, expected, found));
         }
         for (index, column) in columns.iter().enumerate() {
             if let Some(column) = column
                 && columns[..index].iter().flatten().any(|other| std::mem::discriminant(other) == std::mem::discriminant(column))
             {
-                flaws.push(Flaw::malformed("each quantity in one column, in one unit", format!("{} again", quoted(&header[index]))));
+                flaws.push(LibraryFlaw::malformed("each quantity in one column, in one unit", format!("{} again", quoted(&header[index]))));
             }
         }
         flaws.truncate(super::MOST_FAULTY);
@@ -142,24 +150,30 @@ impl Table {
 
 /// The quantity in a column of this name; `None` for a column that is not read. `has_units` states that another column
 /// has the units of lengths.
-fn column(name: &str, has_units: bool) -> Result<Option<Column>, Flaw> {
+fn column(name: &str, has_units: bool) -> Result<Option<Column>, LibraryFlaw> {
     type OfLength = fn(ColumnUnit) -> Column;
     let (quantity, unit) = quantity_and_unit(name);
-    // The first name of each is that of the service, which must state a unit.
-    let lengths: [(&[&str], OfLength); 4] = [
+    // The first name of each is that of the service, which must state a unit. Other tables may have columns with the names of
+    // the last five, of which those without a unit are not read.
+    let lengths: [(&[&str], OfLength); 9] = [
         (&["diameter", "dia", "dc", "cutting_diameter", "cutter_diameter"], Column::Diameter),
         (&["corner_radius", "corner_rad", "re"], Column::CornerRadius),
         (&["max_feed_per_tooth", "feed_per_tooth", "fz", "chipload", "chip_load"], Column::MaxFeedPerTooth),
         (&["flute_length", "length_of_cut", "loc", "lcf"], Column::FluteLength),
+        (&["shank_diameter", "shaft_diameter", "sfdm"], Column::ShankDiameter),
+        (&["lens_radius"], Column::LensRadius),
+        (&["tip_radius", "lower_radius"], Column::TipRadius),
+        (&["side_radius", "profile_radius"], Column::SideRadius),
+        (&["upper_radius"], Column::UpperRadius),
     ];
-    for (names, column) in lengths {
+    for (index, (names, column)) in lengths.into_iter().enumerate() {
         let is_length = names.contains(&quantity.as_str());
         let stated = unit.as_deref().and_then(LengthUnit::named).filter(|unit| [LengthUnit::MILLIMETRE, LengthUnit::INCH].contains(unit));
         match stated {
             Some(unit) if is_length => return Ok(Some(column(ColumnUnit::Stated(unit)))),
             None if is_length && unit.is_none() && has_units => return Ok(Some(column(ColumnUnit::OfLine))),
-            None if quantity.starts_with(names[0]) => {
-                return Err(Flaw::malformed(format!("{0}_mm or {0}_in", names[0]), quoted(name)));
+            None if index < 4 && quantity.starts_with(names[0]) => {
+                return Err(LibraryFlaw::malformed(format!("{0}_mm or {0}_in", names[0]), quoted(name)));
             }
             _ => {}
         }
@@ -172,6 +186,7 @@ fn column(name: &str, has_units: bool) -> Result<Option<Column>, Flaw> {
         "spindle_speed_rpm" | "spindle_speed" | "rpm" => Some(Column::SpindleSpeed),
         "preset" | "preset_name" => Some(Column::Preset),
         "unit" | "units" => Some(Column::Unit),
+        "taper_deg" | "taper" | "taper_angle" => Some(Column::Taper),
         _ => None,
     })
 }
@@ -215,11 +230,12 @@ impl<'a> Row<'a> {
         let named = self.table.columns.len();
         let extra = self.record.iter().skip(named).any(|field| !field.is_empty());
         if self.record.len() < named || extra {
-            return Err(Flaw::malformed(format!("{named} fields, as the header has"), self.record.len().to_string()).into());
+            return Err(LibraryFlaw::malformed(format!("{named} fields, as the header has"), self.record.len().to_string()).into());
         }
-        let kind =
-            self.text(Column::Kind).ok_or_else(|| Flaw::missing("ball_end, toroidal, flat_end or another type").of_member("type"))?;
-        let Some(shape) = Shape::named(kind) else { return Ok(ReadTool::Other(kind.to_owned())) };
+        let kind = self
+            .text(Column::Kind)
+            .ok_or_else(|| LibraryFlaw::missing("ball_end, toroidal, flat_end or another type").of_member("type"))?;
+        let Some(shape) = LibraryShape::named(kind) else { return Ok(ReadTool::Other(kind.to_owned())) };
         let mut flaws = Flaws::default();
         let cutter = flaws.take(self.cutter(shape));
         let speed =
@@ -237,11 +253,32 @@ impl<'a> Row<'a> {
         ReadTool::unless_flawed(cutter, parts, position, flaws)
     }
 
-    fn cutter(&self, shape: Shape) -> Result<Cutter, Flaw> {
+    fn cutter(&self, shape: LibraryShape) -> Result<Cutter, LibraryFlaw> {
         let diameter = self.length(|column| matches!(column, Column::Diameter(_)))?.0;
-        let diameter = diameter.ok_or_else(|| Flaw::missing("the diameter of the cutter").of_member("diameter"))?;
-        let (corner_radius, is_stated) = self.length(|column| matches!(column, Column::CornerRadius(_)))?;
-        shape.cutter(diameter, corner_radius, is_stated).map_err(|flaw| flaw.of_member("corner_radius"))
+        let diameter = diameter.ok_or_else(|| LibraryFlaw::missing("the diameter of the cutter").of_member("diameter"))?;
+        let (corner_radius, is_corner_stated) = self.length(|column| matches!(column, Column::CornerRadius(_)))?;
+        let stated = Dimensions {
+            corner_radius,
+            is_corner_stated,
+            taper_deg: self.number(Column::Taper, "taper_deg", |degrees| Ok(Some(degrees)))?,
+            shank_diameter: self.length(|column| matches!(column, Column::ShankDiameter(_)))?.0,
+            lens_radius: self.length(|column| matches!(column, Column::LensRadius(_)))?.0,
+            tip_radius: self.length(|column| matches!(column, Column::TipRadius(_)))?.0,
+            side_radius: self.length(|column| matches!(column, Column::SideRadius(_)))?.0,
+            upper_radius: self.length(|column| matches!(column, Column::UpperRadius(_)))?.0,
+            flute_length: self.length(|column| matches!(column, Column::FluteLength(_)))?.0,
+        };
+        shape.cutter(diameter, &stated).map_err(|(dimension, flaw)| {
+            flaw.of_member(match dimension {
+                Dimension::CornerRadius => "corner_radius",
+                Dimension::Taper => "taper_deg",
+                Dimension::ShankDiameter => "shank_diameter",
+                Dimension::LensRadius => "lens_radius",
+                Dimension::TipRadius => "tip_radius",
+                Dimension::SideRadius => "side_radius",
+                Dimension::UpperRadius => "upper_radius",
+            })
+        })
     }
 
     /// The first column that `wanted` accepts, and its field; `None` if the field is empty.
@@ -254,18 +291,28 @@ impl<'a> Row<'a> {
         self.field(|column| *column == wanted).map(|(_, field)| field)
     }
 
-    fn number<T>(&self, wanted: Column, name: &'static str, read: impl Fn(f64) -> Result<Option<T>, Flaw>) -> Result<Option<T>, Flaw> {
+    fn number<T>(
+        &self,
+        wanted: Column,
+        name: &'static str,
+        read: impl Fn(f64) -> Result<Option<T>, LibraryFlaw>,
+    ) -> Result<Option<T>, LibraryFlaw> {
         self.text(wanted).map_or(Ok(None), |field| number(field).and_then(read)).map_err(|flaw| flaw.of_member(name))
     }
 
     /// A length, and whether its field is filled; 0 means unknown.
-    fn length(&self, wanted: impl Fn(&Column) -> bool) -> Result<(Option<Length>, bool), Flaw> {
+    fn length(&self, wanted: impl Fn(&Column) -> bool) -> Result<(Option<Length>, bool), LibraryFlaw> {
         let Some((column, field)) = self.field(wanted) else { return Ok((None, false)) };
         let (name, unit) = match column {
             Column::Diameter(unit) => ("diameter", unit),
             Column::CornerRadius(unit) => ("corner_radius", unit),
             Column::MaxFeedPerTooth(unit) => ("max_feed_per_tooth", unit),
             Column::FluteLength(unit) => ("flute_length", unit),
+            Column::ShankDiameter(unit) => ("shank_diameter", unit),
+            Column::LensRadius(unit) => ("lens_radius", unit),
+            Column::TipRadius(unit) => ("tip_radius", unit),
+            Column::SideRadius(unit) => ("side_radius", unit),
+            Column::UpperRadius(unit) => ("upper_radius", unit),
             _ => return Ok((None, false)),
         };
         let unit = match unit {
@@ -277,8 +324,9 @@ impl<'a> Row<'a> {
     }
 
     /// The unit of the lengths of this line.
-    fn unit(&self) -> Result<LengthUnit, Flaw> {
-        let unit = self.text(Column::Unit).ok_or_else(|| Flaw::missing("the unit of the lengths, mm or inches").of_member("unit"))?;
-        LengthUnit::named(unit).ok_or_else(|| Flaw::malformed("mm or inches", quoted(unit)).of_member("unit"))
+    fn unit(&self) -> Result<LengthUnit, LibraryFlaw> {
+        let unit =
+            self.text(Column::Unit).ok_or_else(|| LibraryFlaw::missing("the unit of the lengths, mm or inches").of_member("unit"))?;
+        LengthUnit::named(unit).ok_or_else(|| LibraryFlaw::malformed("mm or inches", quoted(unit)).of_member("unit"))
     }
 }

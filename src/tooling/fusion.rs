@@ -5,9 +5,9 @@
 //! tool's lengths are in its `unit`; its `holder`, which has another unit, is not read. Speed and feed come from the
 //! preset with "finish" in its name, otherwise from the first preset.
 
-use super::cutter_shape::Shape;
+use super::cutter_shape::{Dimension, Dimensions, LibraryShape};
 use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
-use super::library_fault::{Flaw, Flaws, LibraryFault};
+use super::library_fault::{Flaws, LibraryFault, LibraryFlaw};
 use super::scalar::Scalar;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::json::each;
@@ -33,17 +33,17 @@ pub(super) fn read(data: &RawValue, file: &str, library: &mut ToolLibrary) -> Re
             result = add(item, position, file, library);
         }
     });
-    read.map_err(|_| Flaw::malformed("an array of tools", "another value").of_member("data").in_file(file))?;
+    read.map_err(|_| LibraryFlaw::malformed("an array of tools", "another value").of_member("data").in_file(file))?;
     result
 }
 
 /// Adds the tool at this position of the file, counted from 1.
 fn add(item: &RawValue, position: usize, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
     if item.get().len() > LONGEST_TOOL {
-        let flaw = Flaw::too_large(format!("a tool of at most {LONGEST_TOOL} bytes"), format!("{} bytes", item.get().len()));
+        let flaw = LibraryFlaw::too_large(format!("a tool of at most {LONGEST_TOOL} bytes"), format!("{} bytes", item.get().len()));
         return library.add(Err(flaw.into()), &ToolPlace { file, position, name: None }).map_err(|flaw| flaw.in_file(file));
     }
-    let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| Flaw::json("a tool in JSON", &error).into());
+    let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| LibraryFlaw::json("a tool in JSON", &error).into());
     let name = read.as_ref().ok().and_then(Tool::name);
     let tool = match TypeAlone::other(item) {
         // The other members of such a tool may differ from those of a cutter.
@@ -69,8 +69,8 @@ impl TypeAlone {
 }
 
 /// The shape of the finishing cutters of this type.
-fn shape_of(kind: &str) -> Option<Shape> {
-    Shape::named(kind)
+fn shape_of(kind: &str) -> Option<LibraryShape> {
+    LibraryShape::named(kind)
 }
 
 /// A tool. Members that are not named here are skipped.
@@ -95,6 +95,13 @@ struct Geometry {
     NOF: Option<Scalar>,
     LCF: Option<Scalar>,
     TA: Option<Scalar>,
+    SFDM: Option<Scalar>,
+    #[serde(rename = "lower-radius")]
+    lower_radius: Option<Scalar>,
+    #[serde(rename = "profile-radius")]
+    profile_radius: Option<Scalar>,
+    #[serde(rename = "upper-radius")]
+    upper_radius: Option<Scalar>,
 }
 
 #[derive(Deserialize)]
@@ -169,13 +176,14 @@ impl Tool {
     }
 
     fn read(&self, position: usize) -> Result<ReadTool, Flaws> {
-        let kind = self.kind.as_ref().ok_or_else(|| Flaw::missing("the type of the tool").of_member("type"))?;
+        let kind = self.kind.as_ref().ok_or_else(|| LibraryFlaw::missing("the type of the tool").of_member("type"))?;
         let kind = kind.text().map_err(|flaw| flaw.of_member("type"))?;
         let Some(shape) = shape_of(&kind) else { return Ok(ReadTool::Other(kind)) };
-        let geometry = self.geometry.as_ref().ok_or_else(|| Flaw::missing("the geometry of the cutter").of_member("geometry"))?;
+        let geometry = self.geometry.as_ref().ok_or_else(|| LibraryFlaw::missing("the geometry of the cutter").of_member("geometry"))?;
         let mut flaws = Flaws::default();
         // A tapered cutter differs in its flank from the straight cutter with the same tip.
-        if flaws.take(geometry.taper()).is_some_and(|taper| taper != 0.0) {
+        let is_straight = matches!(shape, LibraryShape::Ball | LibraryShape::BullNose | LibraryShape::Flat);
+        if is_straight && flaws.take(geometry.taper()).is_some_and(|taper| taper != 0.0) {
             return Ok(ReadTool::Other(format!("tapered {kind}")));
         }
         let unit = flaws.take(self.unit());
@@ -193,65 +201,87 @@ impl Tool {
         ReadTool::unless_flawed(cutter, parts, position, flaws)
     }
 
-    fn unit(&self) -> Result<LengthUnit, Flaw> {
+    fn unit(&self) -> Result<LengthUnit, LibraryFlaw> {
         let expected = "\"millimeters\" or \"inches\"";
-        let unit = self.unit.as_ref().ok_or_else(|| Flaw::missing(expected).of_member("unit"))?;
+        let unit = self.unit.as_ref().ok_or_else(|| LibraryFlaw::missing(expected).of_member("unit"))?;
         match unit.text().ok().as_deref().and_then(LengthUnit::named) {
             Some(unit) if unit == LengthUnit::MILLIMETRE || unit == LengthUnit::INCH => Ok(unit),
-            _ => Err(Flaw::malformed(expected, unit.shown()).of_member("unit")),
+            _ => Err(LibraryFlaw::malformed(expected, unit.shown()).of_member("unit")),
         }
     }
 
-    fn number(&self) -> Result<Option<u32>, Flaw> {
+    fn number(&self) -> Result<Option<u32>, LibraryFlaw> {
         let number = self.post_process.as_ref().and_then(|post| post.number.as_ref());
         number.map(|number| number.number().and_then(tool_number).map_err(|flaw| flaw.of_member("post-process.number"))).transpose()
     }
 }
 
+fn member_of(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::CornerRadius => "geometry.RE",
+        Dimension::Taper => "geometry.TA",
+        Dimension::ShankDiameter => "geometry.SFDM",
+        Dimension::LensRadius | Dimension::TipRadius => "geometry.lower-radius",
+        Dimension::SideRadius => "geometry.profile-radius",
+        Dimension::UpperRadius => "geometry.upper-radius",
+    }
+}
+
 impl Geometry {
-    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, Flaw> {
+    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, LibraryFlaw> {
         value.map(|value| value.number().map_err(|flaw| flaw.of_member(member))).transpose()
     }
 
-    fn taper(&self) -> Result<f64, Flaw> {
+    fn taper(&self) -> Result<f64, LibraryFlaw> {
         Ok(Self::number("geometry.TA", self.TA.as_ref())?.unwrap_or(0.0))
     }
 
-    fn teeth(&self) -> Result<Option<u32>, Flaw> {
+    fn teeth(&self) -> Result<Option<u32>, LibraryFlaw> {
         let member = "geometry.NOF";
         Self::number(member, self.NOF.as_ref())?.map_or(Ok(None), teeth).map_err(|flaw| flaw.of_member(member))
     }
 
-    fn flute_length(&self, unit: LengthUnit) -> Result<Option<Length>, Flaw> {
+    fn flute_length(&self, unit: LengthUnit) -> Result<Option<Length>, LibraryFlaw> {
         Self::length("geometry.LCF", self.LCF.as_ref(), unit)
     }
 
     /// A length; 0 means unknown.
-    fn length(member: &'static str, value: Option<&Scalar>, unit: LengthUnit) -> Result<Option<Length>, Flaw> {
+    fn length(member: &'static str, value: Option<&Scalar>, unit: LengthUnit) -> Result<Option<Length>, LibraryFlaw> {
         let length = Self::number(member, value)?.map_or(Ok(None), |length| unit.length_unless_zero(length));
         length.map_err(|flaw| flaw.of_member(member))
     }
 
-    fn cutter(&self, shape: Shape, unit: LengthUnit) -> Result<Cutter, Flaw> {
-        let diameter = Self::number("geometry.DC", self.DC.as_ref())?.ok_or_else(|| Flaw::missing("the diameter of the cutter"));
+    fn cutter(&self, shape: LibraryShape, unit: LengthUnit) -> Result<Cutter, LibraryFlaw> {
+        let diameter = Self::number("geometry.DC", self.DC.as_ref())?.ok_or_else(|| LibraryFlaw::missing("the diameter of the cutter"));
         let diameter = diameter.and_then(|diameter| unit.length(diameter)).map_err(|flaw| flaw.of_member("geometry.DC"))?;
-        let corner_radius = Self::length("geometry.RE", self.RE.as_ref(), unit)?;
-        shape.cutter(diameter, corner_radius, self.RE.is_some()).map_err(|flaw| flaw.of_member("geometry.RE"))
+        let length = |dimension, value: &Option<Scalar>| Self::length(member_of(dimension), value.as_ref(), unit);
+        let stated = Dimensions {
+            corner_radius: length(Dimension::CornerRadius, &self.RE)?,
+            is_corner_stated: self.RE.is_some(),
+            taper_deg: Self::number(member_of(Dimension::Taper), self.TA.as_ref())?,
+            shank_diameter: length(Dimension::ShankDiameter, &self.SFDM)?,
+            lens_radius: None,
+            tip_radius: length(Dimension::TipRadius, &self.lower_radius)?,
+            side_radius: length(Dimension::SideRadius, &self.profile_radius)?,
+            upper_radius: length(Dimension::UpperRadius, &self.upper_radius)?,
+            flute_length: self.flute_length(unit)?,
+        };
+        shape.cutter(diameter, &stated).map_err(|(dimension, flaw)| flaw.of_member(member_of(dimension)))
     }
 }
 
 impl Preset {
-    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, Flaw> {
+    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, LibraryFlaw> {
         value.map(Scalar::number).transpose().map_err(|flaw| flaw.of_member(member))
     }
 
-    fn speed(&self) -> Result<Option<f64>, Flaw> {
+    fn speed(&self) -> Result<Option<f64>, LibraryFlaw> {
         let member = "start-values.presets.n";
         Self::number(member, self.n.as_ref())?.map_or(Ok(None), spindle_speed).map_err(|flaw| flaw.of_member(member))
     }
 
     /// The feed per tooth. If it is missing, it is computed from the feed rate: f_z = v_f / (z n).
-    fn feed_per_tooth(&self, unit: LengthUnit, teeth: Option<u32>, speed: Option<f64>) -> Result<Option<Length>, Flaw> {
+    fn feed_per_tooth(&self, unit: LengthUnit, teeth: Option<u32>, speed: Option<f64>) -> Result<Option<Length>, LibraryFlaw> {
         let stated = "start-values.presets.f_z";
         if let Some(feed) = Self::number(stated, self.f_z.as_ref())?.filter(|feed| *feed != 0.0) {
             return unit.length(feed).map(Some).map_err(|flaw| flaw.of_member(stated));

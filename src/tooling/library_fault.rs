@@ -25,7 +25,7 @@ pub enum LibraryFaultKind {
 pub struct LibraryFault {
     file: String,
     tool: Option<String>,
-    flaw: Box<Flaw>,
+    flaw: Box<LibraryFlaw>,
 }
 
 impl LibraryFault {
@@ -157,14 +157,14 @@ impl fmt::Display for FaultyTool {
 
 /// A fault without its file and tool, which the caller adds.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Flaw {
+pub(super) struct LibraryFlaw {
     kind: LibraryFaultKind,
     member: Option<Cow<'static, str>>,
     expected: Cow<'static, str>,
     found: Cow<'static, str>,
 }
 
-impl Flaw {
+impl LibraryFlaw {
     pub(super) fn new(kind: LibraryFaultKind, expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {
         Self { kind, member: None, expected: expected.into(), found: found.into() }
     }
@@ -210,11 +210,11 @@ impl Flaw {
 
 /// The faults of a tool without its place, which the caller adds.
 #[derive(Debug, Default)]
-pub(super) struct Flaws(Vec<Flaw>);
+pub(super) struct Flaws(Vec<LibraryFlaw>);
 
 impl Flaws {
     /// The value. If it has a flaw, records the flaw and returns `None`.
-    pub(super) fn take<T>(&mut self, value: Result<T, Flaw>) -> Option<T> {
+    pub(super) fn take<T>(&mut self, value: Result<T, LibraryFlaw>) -> Option<T> {
         value.map_err(|flaw| self.0.push(flaw)).ok()
     }
 
@@ -229,13 +229,13 @@ impl Flaws {
             Some(name) if !name.is_empty() => format!("tool {} {}", place.position, quoted(name)),
             _ => format!("tool {}", place.position),
         };
-        let of_tool = |flaw: Flaw| LibraryFault { tool: Some(tool.clone()), ..flaw.in_file(place.file) };
+        let of_tool = |flaw: LibraryFlaw| LibraryFault { tool: Some(tool.clone()), ..flaw.in_file(place.file) };
         FaultyTool { name: place.name(), faults: self.0.into_iter().map(of_tool).collect() }
     }
 }
 
-impl From<Flaw> for Flaws {
-    fn from(flaw: Flaw) -> Self {
+impl From<LibraryFlaw> for Flaws {
+    fn from(flaw: LibraryFlaw) -> Self {
         Self(vec![flaw])
     }
 }

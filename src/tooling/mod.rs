@@ -1,8 +1,8 @@
 //! Readers of tool libraries, which return finishing cutters: Autodesk Fusion (`.json`, `.tools`), FreeCAD (`.fctb`,
 //! and zips of them with their `.fctl`), and CSV.
 //!
-//! A library may contain tools of any type. Ball-end, bull-nose and flat cutters are read; the others are counted by
-//! type. A finishing cutter with a fault is listed with all its faults, and the other tools are still read. Callers
+//! A library may contain tools of any type. Ball-end, bull-nose, flat and tapered cutters, lenses and barrels are read; the
+//! others are counted by type. A finishing cutter with a fault is listed with all its faults, and the other tools are still read. Callers
 //! must show the faulty cutters, because one of them may be the best. Only a file that cannot be read as a library is
 //! refused as a whole. Lengths are in the unit that each tool states.
 //!
@@ -23,7 +23,7 @@ pub use library_fault::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFault
 use crate::cancellation::CancelFlag;
 use crate::milling::Cutter;
 use crate::quantity::Length;
-use library_fault::{Flaw, Flaws};
+use library_fault::{Flaws, LibraryFlaw};
 use std::collections::BTreeMap;
 
 /// The largest number of tools in a library, of all types together.
@@ -154,9 +154,9 @@ impl ToolLibrary {
     ///
     /// # Errors
     /// The library is full.
-    fn add(&mut self, tool: Result<ReadTool, Flaws>, place: &ToolPlace) -> Result<(), Flaw> {
+    fn add(&mut self, tool: Result<ReadTool, Flaws>, place: &ToolPlace) -> Result<(), LibraryFlaw> {
         if self.count() >= MOST_TOOLS as u64 {
-            return Err(Flaw::too_large(format!("at most {MOST_TOOLS} tools"), "more"));
+            return Err(LibraryFlaw::too_large(format!("at most {MOST_TOOLS} tools"), "more"));
         }
         match tool {
             Ok(ReadTool::Finishing(tool)) => self.tools.push(*tool),

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::api::cutters::shapes;
 use crate::api::openapi::{Operation, assert_valid, document, json_operations, operation, validator};
 use crate::api::requests::{CUTTING_PARAMETERS, MAX_FEED, SCALLOP_HEIGHT, STEP_OVER, batch_of, longest, shortest, with, without};
 use crate::app::{Answer, TestApp, faults};
@@ -166,7 +167,10 @@ async fn the_members_of_each_schema_are_those_that_the_service_accepts() {
             ("ToroidalCutter", json!({"type": "toroidal", "diameter_mm": 6, "corner_radius_mm": 1})),
             ("BallEndCutter", json!({"type": "ball_end", "diameter_mm": 6})),
             ("FlatEndCutter", json!({"type": "flat_end", "diameter_mm": 6})),
-        ] {
+        ]
+        .into_iter()
+        .chain(shapes())
+        {
             assert_eq!(known_at(single, with(shortest(single), "/cutter", cutter), "/cutter").await, properties(&components[name]));
         }
 

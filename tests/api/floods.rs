@@ -33,7 +33,7 @@ async fn the_first_thousand_failures_are_listed_and_all_are_counted() {
 #[tokio::test]
 async fn of_many_unknown_members_of_a_contact_a_few_are_listed() {
     let app = TestApp::start().await;
-    let flood: serde_json::Map<_, _> = (0..256).map(|index| (format!("m{index}"), json!(0))).collect();
+    let flood: serde_json::Map<_, _> = (0..256).map(|index| (format!("member{index}"), json!(0))).collect();
     let body = batch(&[flood.into(), valid()]);
     let answer = app.answer(PATH, &body).await;
     let detail = answer["failures"][0]["detail"].as_str().unwrap();

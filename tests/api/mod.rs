@@ -4,11 +4,13 @@
 mod batch;
 mod columns;
 mod curvature;
+mod cutters;
 mod cutting_parameters;
 mod document;
 mod examples;
 mod faults;
 mod floods;
+mod hints;
 mod max_feed;
 pub(crate) mod openapi;
 mod pages;

@@ -1,4 +1,4 @@
-//! The examples of README.md and docs/tour.md: each `curl` command gives the JSON that follows it.
+//! The examples of README.md, docs/tour.md and docs/papers.md: each `curl` command gives the JSON that follows it.
 //!
 //! After an intended change, `docs/renew-examples` updates the answers.
 
@@ -6,7 +6,7 @@ use crate::app::TestApp;
 use reqwest::multipart::{Form, Part};
 use serde_json::Value;
 
-const PAGES: [&str; 2] = [include_str!("../../README.md"), include_str!("../../docs/tour.md")];
+const PAGES: [&str; 3] = [include_str!("../../README.md"), include_str!("../../docs/tour.md"), include_str!("../../docs/papers.md")];
 const BASE: &str = "http://127.0.0.1:8080";
 
 /// A command and the answer that a page shows for it.
@@ -65,11 +65,14 @@ async fn run(app: &TestApp, command: &str) -> Value {
     selected(command, answer)
 }
 
-/// The members of `answer` that a command selects with `| jq '{name, ...}'`, or the whole answer.
+/// The members of `answer` that a command selects with `| jq '{name, ...}'`, those of one of its members that it selects with
+/// `| jq '.member | {name, ...}'`, or the whole answer.
 fn selected(command: &str, answer: Value) -> Value {
-    let Some((_, names)) = command.split_once("| jq '{") else { return answer };
+    let Some((_, filter)) = command.split_once("| jq '") else { return answer };
+    let (member, names) = filter.split_once('{').unwrap();
+    let of = member.trim().strip_prefix('.').map_or(&answer, |member| &answer[member.trim_end_matches([' ', '|'])]);
     let names = names.split_once("}'").unwrap().0.split(',').map(str::trim);
-    names.map(|name| (name.to_owned(), answer[name].clone())).collect()
+    names.map(|name| (name.to_owned(), of[name].clone())).collect()
 }
 
 /// Whether `found` is the answer shown, whose numbers are rounded to six digits.

@@ -27,6 +27,10 @@ def calls(base_url: str) -> None:
     answer = models.ScallopHeightAnswer.model_validate_json(post(base_url, "/v1/scallop-height", height).content)
     assert abs(answer.scallop_height_mm - 0.01305) < 1e-4, answer
 
+    tapered = models.Cutter(models.TaperedBallCutter(type="tapered_ball", diameter_mm=2, taper_deg=5, shank_diameter_mm=6))
+    height = models.ScallopHeightRequest(cutter=tapered, contact=CONTACT, step_over_mm=0.1)
+    assert post(base_url, "/v1/scallop-height", height).status_code == 200
+
     contacts = models.Contacts1([models.AngleContactWithStepOver(slope_deg=slope, feed_angle_deg=90) for slope in (20, 0)])
     batch = models.MaxFeedBatchRequest(cutter=CUTTER, contacts=contacts, scallop_tolerance_mm=0.012, step_over_mm=0.4)
     columns = models.MaxFeedBatchAnswer.model_validate_json(post(base_url, "/v1/max-feed/batch", batch).content)

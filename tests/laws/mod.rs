@@ -7,6 +7,8 @@ mod heights;
 mod inverses;
 mod outline;
 mod passes;
+mod path_times;
 mod radii;
 mod reference;
 mod refusals;
+mod shapes;

@@ -132,7 +132,7 @@ fn heights_on_concave_surfaces_agree_with_the_section_seen_from_the_contact() {
         let surface = SurfaceCurvature::from_principal_per_mm(principal, Angle::from_degrees(turn).unwrap()).unwrap();
         let evaluated = EvaluatedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).unwrap();
         let envelope = Envelope::new(*evaluated.pass()).unwrap();
-        let found = envelope.second_order_scallop_height(mm(s), (f > 0.0).then(|| mm(f))).unwrap().total().mm();
+        let found = envelope.without_turns().scallop_height(mm(s), (f > 0.0).then(|| mm(f))).unwrap().total().mm();
         let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
         let brute = Setup { outer, corner, slope, theta, curvature }.ridge(s, f);
         println!("{found} {brute} at slope {slope_deg}, r/R {ratio}, lambda {}", evaluated.relative_curvature());

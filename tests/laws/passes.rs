@@ -1,7 +1,9 @@
 //! Random passes for the laws, and functions to build and evaluate them.
 
 use proptest::prelude::*;
-use scallopd::milling::{Contact, Cutter, CutterKind, EvaluatedPass, Model, ModelWarning, NoAnswer, Pass, Runout, SurfaceCurvature};
+use scallopd::milling::{
+    Contact, Cutter, CutterKind, EvaluatedPass, Model, ModelWarning, NoAnswer, Pass, Runout, ScallopHeight, SurfaceCurvature,
+};
 use scallopd::quantity::Length;
 
 pub(crate) const BOTH: [Model; 2] = [Model::Analytic, Model::Envelope];
@@ -83,6 +85,10 @@ pub(crate) fn has_lobes(pass: &Pass) -> bool {
 pub(crate) fn is_settled(evaluated: &EvaluatedPass, s: f64, f: f64) -> bool {
     let is_smooth_on_curve = !evaluated.pass().surface.is_plane() && evaluated.pass().cutter.kind() == CutterKind::Toroidal;
     let is_short = || evaluated.pass().surface.principal_per_mm()[1] < 0.0 && s < 0.5 * f;
-    let warns = || evaluated.warnings(mm(s.max(1e-6)), Some(mm(f.max(1e-6)))).any(|warning| warning == ModelWarning::CurvatureApproximate);
+    let warns = || {
+        let (s, f) = (mm(s.max(1e-6)), Some(mm(f.max(1e-6))));
+        let turn = evaluated.scallop_height(s, f).map_or(f64::INFINITY, ScallopHeight::largest_turn);
+        evaluated.warnings(s, f, turn).any(|warning| warning == ModelWarning::CurvatureApproximate)
+    };
     !is_smooth_on_curve || !(is_short() || warns())
 }

@@ -157,3 +157,27 @@ async fn bodies_that_are_not_json_are_refused() {
     assert_eq!(status, 422);
     assert!(faults.contains(&("/surface/points/0/2", "out-of-range")) && faults.contains(&("/surface/points/1/0", "out-of-range")));
 }
+
+/// The tolerance has one name in calculations and plans; the older one of plans means the same.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn the_tolerance_of_a_plan_has_an_older_name() {
+    let app = TestApp::start().await;
+    let slope = json!({"grid": {"rows": 2, "columns": 2, "points": [[0, 0, 0], [20, 0, 0], [0, 20, 9], [20, 20, 9]]}});
+    let ball = json!({"type": "ball_end", "diameter_mm": 6});
+    let plan = json!({"surface": slope, "cutters": [ball], "machine": "vmc", "directions_deg": [0]});
+    let check = json!({"surface": slope, "cutter": ball, "machine": "vmc", "path": {"tip_mm": [[0, 0, 0.29], [20, 20, 9.29]]}});
+    let rectangle = json!({"width_mm": 56, "height_mm": 28, "slope_deg": 30, "machine": "vmc",
+        "toroidal": {"diameter_mm": 10, "corner_radius_mm": 2}, "ball_end": {"diameter_mm": 10}});
+    for (path, request) in [("/v1/cutter-recommendation", plan), ("/v1/path-check", check), ("/v1/critical-slope", rectangle)] {
+        let of = async |members: Value| app.post(path, &with(request.clone(), members)).await;
+        let named = of(json!({"scallop_tolerance_mm": 0.02})).await.ok();
+        assert_eq!(of(json!({"scallop_height_mm": 0.02})).await.ok(), named, "{path}");
+        assert_ne!(of(json!({"scallop_tolerance_mm": 1.5})).await.ok(), named, "{path}");
+        let both = of(json!({"scallop_tolerance_mm": 0.02, "scallop_height_mm": 0.02})).await;
+        assert_eq!(both.faults(), (422, vec![("/scallop_height_mm", "conflicting-fields")]), "{path}");
+        let neither = of(json!({})).await;
+        assert_eq!(neither.faults(), (422, vec![("/scallop_tolerance_mm", "missing-field")]), "{path}");
+        let with_roughness = of(json!({"scallop_height_mm": 0.02, "roughness": {"ra_um": 1}})).await;
+        assert_eq!(with_roughness.faults(), (422, vec![("/roughness", "conflicting-fields")]), "{path}");
+    }
+}

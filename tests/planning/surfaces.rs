@@ -166,6 +166,35 @@ async fn slots_narrower_than_the_cutter_are_uncut_on_large_plates_too() {
     }
 }
 
+/// One request says where every cutter does not fit into slots, ranked or not.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn one_request_has_the_maps_of_all_cutters_ranked_or_not() {
+    let app = TestApp::start().await;
+    let flat = |diameter: f64| json!({"type": "flat_end", "diameter_mm": diameter});
+    let request = with(with(in_directions(&[90.0]), slotted(100.0, 4.0)), json!({"cutters": [flat(6.0), flat(3.0), flat(2.5)]}));
+    let of = async |include: Value| app.recommend(&with(request.clone(), json!({"include": include}))).await.ok();
+    let all = of(json!(["maps"])).await;
+    assert_eq!((&all["recommended"]["cutter"], &all["not_ranked"][0]["cutter"]), (&json!(1), &json!(0)));
+    // The map is that of the fastest, whether the others are asked for or not.
+    let alone = of(json!(["map"])).await;
+    assert_eq!((&alone["map"], alone.get("maps")), (&all["map"], None));
+    let maps = all["maps"].as_array().unwrap();
+    assert_eq!(maps.iter().map(|map| map["cutter"].as_u64().unwrap()).collect::<Vec<_>>(), [2, 0]);
+    let heights = |map: &Value, name: &str| -> Vec<Option<f64>> { serde_json::from_value(map[name].clone()).unwrap() };
+    // The largest stands on the slots' edges, 5 mm over their floors; on the plate between them it fits, and the smallest everywhere.
+    for (map, over_slots) in [(&maps[0], 0.0), (&maps[1], 5.0)] {
+        let (heights_of_part, uncut) = (heights(&all["map"], "z_mm"), heights(map, "uncut_mm"));
+        let machined: Vec<(f64, f64)> = heights_of_part.iter().zip(&uncut).filter_map(|(z, uncut)| Some(((*z)?, (*uncut)?))).collect();
+        // Cells on walls are not machined.
+        assert!(machined.len() * 10 > heights_of_part.iter().flatten().count() * 9, "{}", machined.len());
+        assert!(machined.iter().any(|(z, _)| *z < -1.0));
+        let is_right = |(z, uncut): &&(f64, f64)| (uncut - if *z < -1.0 { over_slots } else { 0.0 }).abs() < 1e-6;
+        let wrong = machined.len() - machined.iter().filter(is_right).count();
+        // Beside the end of a wall the search for an axis that clears it, in 16 steps, misses ten of these cells.
+        assert!(wrong * 1000 < machined.len(), "{wrong} of {}", machined.len());
+    }
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn of_a_library_of_50_only_cutters_that_fit_the_pocket_are_ranked() {
     let app = TestApp::start().await;

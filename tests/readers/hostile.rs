@@ -20,7 +20,7 @@ impl Read for Endless<'_> {
 }
 
 /// Reads an endless file until it is refused; returns the number of bytes taken and the fault.
-fn refused_after(head: &[u8], part: &[u8], name: &str) -> (usize, Fault) {
+fn refused_after(head: &[u8], part: &[u8], name: &str) -> (usize, FileFault) {
     let mut source = Endless { head, part, delivered: 0 };
     let result = Reader::new(FormatHint::new(None, Some(name))).read(&mut source, &mut Recorder::default());
     (source.delivered, fault(result.unwrap_err()))
@@ -37,7 +37,7 @@ fn a_line_of_100_mb_is_refused_as_soon_as_it_is_too_long() {
     ] {
         let (bytes, fault) = refused_after(head.as_bytes(), &[b' '; 1000], name);
         assert!(bytes <= 2 * (1 << 16) + 2000, "{bytes} bytes were taken of {head:?}");
-        assert_eq!(fault.kind(), FaultKind::TooLarge);
+        assert_eq!(fault.kind(), FileFaultKind::TooLarge);
         assert_eq!(fault.to_string(), format!("line {line}: expected at most 65536 bytes in a line, found a longer one"));
     }
 }
@@ -110,7 +110,7 @@ fn stated_counts_take_no_memory() {
         let before = pages();
         let measure = || assert!(pages() < before + (128 << 20) / 4096, "more than 128 MiB for a count");
         let result = Reader::new(FormatHint::default()).read(AtEnd(&file, measure), &mut Nothing);
-        assert_eq!(fault(result.unwrap_err()).kind(), FaultKind::Truncated);
+        assert_eq!(fault(result.unwrap_err()).kind(), FileFaultKind::Truncated);
     }
 }
 

@@ -475,8 +475,8 @@ fn names_of_columns_and_types_in_catalogues_are_read() {
     ] {
         assert_eq!(radii(table), expected, "{table}");
     }
-    let tapered = read("type,diameter_mm\ntapered ball,6\nball,4\n");
-    assert_eq!((tapered.tools().len(), tapered.others().collect::<Vec<_>>()), (1, vec![("tapered ball", 1)]));
+    let other = read("type,diameter_mm\nlollipop,6\nball,4\n");
+    assert_eq!((other.tools().len(), other.others().collect::<Vec<_>>()), (1, vec![("lollipop", 1)]));
     assert!(refusal("type,diameter (cm)\nball,6\n").contains("expected diameter_mm or diameter_in, found \"diameter (cm)\""));
 }
 
@@ -509,4 +509,99 @@ fn messages_name_no_type_of_the_program() {
             assert!(!text.contains("struct") && text.contains("a value of another type"), "{text}");
         }
     }
+}
+
+/// The tools of a library with their kinds, outer radii and tip radii in mm.
+fn shapes_of(bytes: impl AsRef<[u8]>) -> Vec<(CutterKind, f64, f64)> {
+    let library = read(bytes);
+    assert_eq!(library.faulty(), []);
+    let rounded = |mm: f64| (mm * 1e6).round() / 1e6;
+    let shape =
+        |tool: LibraryTool| (tool.cutter.kind(), rounded(tool.cutter.outer_radius().mm()), rounded(tool.cutter.corner_radius().mm()));
+    library.into_tools().into_iter().map(shape).collect()
+}
+
+/// Fusion states a tapered mill by the diameter of its cone at the height of the tip: 1.872 mm for a ball of 1 mm and 3.8 deg.
+#[test]
+fn tapered_mills_and_circle_segments_of_fusion_are_read() {
+    let tool = |kind: &str, geometry: Value| json!({"type": kind, "unit": "millimeters", "geometry": geometry, "description": kind});
+    let tools = [
+        tool("tapered mill", json!({"DC": 1.872, "RE": 1, "TA": 3.8, "SFDM": 6, "LCF": 15})),
+        // Without a shank the cone ends with the flutes: 1.872 + 2 * 15 tan(3.8 deg) = 3.864598 mm.
+        tool("tapered mill", json!({"DC": 1.872, "RE": 1, "TA": 3.8, "LCF": 15})),
+        tool("tapered mill", json!({"DC": 3, "RE": 0.5, "TA": 5, "SFDM": 6})),
+        tool("tapered mill", json!({"DC": 3, "RE": 0, "TA": 5, "SFDM": 6})),
+        tool("circle segment lens", json!({"DC": 10, "RE": 0.5, "lower-radius": 20, "profile-radius": 100})),
+        tool("circle segment oval", json!({"DC": 6, "RE": 0, "lower-radius": 1, "profile-radius": 90})),
+        tool("circle segment taper", json!({"DC": 16, "TA": 20, "lower-radius": 4, "profile-radius": 500, "upper-radius": 8})),
+    ];
+    let expected = [
+        (CutterKind::TaperedBall, 3.0, 1.000_231),
+        (CutterKind::TaperedBall, 1.932_299, 1.000_231),
+        (CutterKind::Profile, 3.0, 0.5),
+        (CutterKind::Profile, 3.0, 0.0),
+        (CutterKind::Lens, 5.0, 20.0),
+        (CutterKind::Oval, 3.0, 1.0),
+        (CutterKind::ConicalBarrel, 8.0, 4.0),
+    ];
+    let found = shapes_of(fusion(&tools));
+    for (found, expected) in found.iter().zip(expected) {
+        assert_eq!(found.0, expected.0);
+        assert_relative_eq!(found.1, expected.1, epsilon = 1e-6);
+        assert_relative_eq!(found.2, expected.2, epsilon = 1e-6);
+    }
+    assert_eq!(found.len(), expected.len());
+    // The cone of 5 deg at a flat of 3 mm: 1 mm up its radius is 1.5 + tan(5 deg).
+    let flat = read(fusion(&tools)).into_tools()[3].cutter.profile();
+    assert_relative_eq!(flat.low(1.5 + 5.0_f64.to_radians().tan()), 1.0, max_relative = 1e-12);
+    for (tool, fault) in [
+        (tool("tapered mill", json!({"DC": 3, "RE": 0.5, "SFDM": 6})), "geometry.TA: expected the taper"),
+        (tool("tapered mill", json!({"DC": 3, "RE": 4, "TA": 5, "SFDM": 6})), "geometry.RE: expected a corner radius of at most"),
+        (tool("tapered mill", json!({"DC": 3, "RE": 0.5, "TA": 5})), "geometry.SFDM: expected the diameter of the shank"),
+        (tool("circle segment oval", json!({"DC": 6, "profile-radius": 90})), "geometry.lower-radius: expected the radius of the tip"),
+        (tool("circle segment lens", json!({"DC": 10, "lower-radius": 20})), "geometry.RE: expected the corner radius of a lens"),
+        (
+            tool("circle segment taper", json!({"DC": 16, "TA": 20, "lower-radius": 4, "profile-radius": 9, "upper-radius": 8})),
+            "geometry.profile-radius: expected",
+        ),
+    ] {
+        let texts = faulty(fusion(&[tool]));
+        assert!(texts.len() == 1 && texts[0].contains(fault), "{texts:?}");
+    }
+}
+
+/// FreeCAD states the angle between the flanks.
+#[test]
+fn tapered_balls_of_freecad_are_read() {
+    let tool = |parameters: Value| {
+        json!({"version": 2, "name": "x", "shape": "taperedballnose.fcstd", "shape-type": "TaperedBallNose", "parameter": parameters})
+            .to_string()
+    };
+    let parameters = json!({"Diameter": "2.00 mm", "TaperAngle": "10.00 \u{b0}", "TaperDiameter": "5,00 mm", "ShankDiameter": "6 mm"});
+    let read = only(tool(parameters.clone()));
+    assert_eq!((read.cutter.kind(), read.cutter.outer_radius().mm()), (CutterKind::TaperedBall, 2.5));
+    assert_relative_eq!(read.cutter.profile().steepest_cut().to_degrees(), 85.0, max_relative = 1e-12);
+    let mut without = parameters;
+    without.as_object_mut().unwrap().remove("TaperDiameter");
+    assert_relative_eq!(only(tool(without.clone())).cutter.outer_radius().mm(), 3.0);
+    without.as_object_mut().unwrap().remove("TaperAngle");
+    assert!(faulty(tool(without))[0].contains("parameter.TaperAngle: expected the taper"));
+}
+
+#[test]
+fn a_table_can_state_every_shape() {
+    let table = "type,diameter_mm,corner_radius_mm,taper_deg,shank_diameter_mm,lens_radius_mm,tip_radius_in,side_radius_mm\n\
+        tapered_ball,2,,5,6,,,\nlens,16,1,,,40,,\noval,10,,,,,0.1,80\nconical barrel,10,,20,,,0.1,250\n";
+    assert_eq!(
+        shapes_of(table),
+        [
+            (CutterKind::TaperedBall, 3.0, 1.0),
+            (CutterKind::Lens, 8.0, 40.0),
+            (CutterKind::Oval, 5.0, 2.54),
+            (CutterKind::ConicalBarrel, 5.0, 2.54),
+        ]
+    );
+    assert!(faulty("type,diameter_mm\ntapered ball,6\n")[0].contains("taper_deg: expected the taper"));
+    // The columns of others' tables that state no unit are not read.
+    assert_eq!(shapes_of("type,diameter_mm,Shank Diameter,Tip Radius\nball,6,x,y\n"), [(CutterKind::BallEnd, 3.0, 3.0)]);
 }

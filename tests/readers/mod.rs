@@ -11,7 +11,7 @@ mod text;
 mod three_mf;
 
 use crate::writers::binary_stl;
-use scallopd::surface::read::{Fault, FaultKind, Format, FormatHint, Notes, ReadError, Reader, Summary};
+use scallopd::surface::read::{FileFault, FileFaultKind, Format, FormatHint, Notes, ReadError, ReadSummary, Reader};
 use scallopd::surface::{Sink, Unit};
 use std::io::{self, Read};
 
@@ -43,20 +43,20 @@ impl Read for InPieces<'_> {
 }
 
 /// Reads a whole file without a hint about its format.
-fn read(file: impl AsRef<[u8]>) -> Result<(Recorder, Summary), Fault> {
+fn read(file: impl AsRef<[u8]>) -> Result<(Recorder, ReadSummary), FileFault> {
     let (recorder, result) = read_in_pieces(file.as_ref(), usize::MAX, FormatHint::default());
     result.map(|summary| (recorder, summary))
 }
 
 /// The contents of the sink, and the result of reading a file that arrives in pieces of this size.
-fn read_in_pieces(file: &[u8], piece: usize, hint: FormatHint) -> (Recorder, Result<Summary, Fault>) {
+fn read_in_pieces(file: &[u8], piece: usize, hint: FormatHint) -> (Recorder, Result<ReadSummary, FileFault>) {
     let mut recorder = Recorder::default();
     let result = Reader::new(hint).read(InPieces(file, piece), &mut recorder);
     (recorder, result.map_err(fault))
 }
 
 /// The fault of a file whose source does not fail.
-fn fault(error: ReadError) -> Fault {
+fn fault(error: ReadError) -> FileFault {
     match error {
         ReadError::Fault(fault) => fault,
         ReadError::Source(error) => panic!("{error}"),

@@ -46,7 +46,7 @@ fn statements_that_do_not_affect_the_shape_are_skipped() {
     );
     let (recorder, summary) = read(file).unwrap();
     assert_eq!(recorder.facets, [[A, B, C]]);
-    assert_eq!(summary, Summary { format: Format::Obj, points: 0, facets: 1, unit: None, notes: Notes::default() });
+    assert_eq!(summary, ReadSummary { format: Format::Obj, points: 0, facets: 1, unit: None, notes: Notes::default() });
 }
 
 #[test]

@@ -76,7 +76,7 @@ fn all_three_encodings_give_the_same_surface() {
         assert_eq!(facets(file), SURFACE);
     }
     assert_eq!(read(small(true)).unwrap().1.format, Format::PlyBigEndian);
-    assert_eq!(read(ASCII).unwrap().1, Summary { format: Format::PlyAscii, points: 0, facets: 3, unit: None, notes: Notes::default() });
+    assert_eq!(read(ASCII).unwrap().1, ReadSummary { format: Format::PlyAscii, points: 0, facets: 3, unit: None, notes: Notes::default() });
     // 2 range grids, 4294967295 of nothing, 1 material, 1 edge.
     assert_eq!(read(rich(false)).unwrap().1.notes, Notes { other_elements: 4_294_967_299, ..Notes::default() });
 }
@@ -143,7 +143,7 @@ fn a_file_cut_anywhere_is_refused() {
         for length in 0..file.len() {
             let fault = read(&file[..length]).unwrap_err();
             if length >= body {
-                assert_eq!((fault.kind(), fault.location()), (FaultKind::Truncated, FileLocation::Byte(length as u64)), "{fault}");
+                assert_eq!((fault.kind(), fault.location()), (FileFaultKind::Truncated, FileLocation::Byte(length as u64)), "{fault}");
             }
         }
     }
@@ -225,16 +225,16 @@ fn faulty_binary_rows_are_refused_with_their_byte() {
         read(file).unwrap_err()
     };
     let nan = with(12 + 4, &f32::NAN.to_le_bytes());
-    assert_eq!((nan.kind(), nan.location(), nan.found()), (FaultKind::OutOfRange, FileLocation::Byte((body + 16) as u64), "NaN"));
+    assert_eq!((nan.kind(), nan.location(), nan.found()), (FileFaultKind::OutOfRange, FileLocation::Byte((body + 16) as u64), "NaN"));
     for number in [4_i32, -1, i32::MIN, i32::MAX] {
         let fault = with(48 + 1 + 8, &number.to_le_bytes());
         assert_eq!(
             (fault.kind(), fault.location(), fault.found()),
-            (FaultKind::OutOfRange, FileLocation::Byte((body + 57) as u64), &*number.to_string())
+            (FileFaultKind::OutOfRange, FileLocation::Byte((body + 57) as u64), &*number.to_string())
         );
     }
     let two = with(48, &[2]);
-    assert_eq!((two.kind(), two.found()), (FaultKind::Malformed, "two"));
+    assert_eq!((two.kind(), two.found()), (FileFaultKind::Malformed, "two"));
 }
 
 #[test]
@@ -266,7 +266,7 @@ fn triangle_strips_are_read_in_all_encodings() {
     }
     let missing = refusal(format!("{}{vertices}3 0 1 4\n", head("ascii")));
     assert_eq!(missing, "line 14: expected the number of one of 4 vertices, from 0, found \"4\"");
-    assert_eq!(read(format!("{}{vertices}2 0 1\n", head("ascii"))).unwrap_err().kind(), FaultKind::Empty);
+    assert_eq!(read(format!("{}{vertices}2 0 1\n", head("ascii"))).unwrap_err().kind(), FileFaultKind::Empty);
 }
 
 #[test]

@@ -131,7 +131,7 @@ fn binary_cut_anywhere_is_refused() {
         if length > 84 {
             assert_eq!(
                 (fault.kind(), fault.location()),
-                (FaultKind::Truncated, scallopd::surface::read::FileLocation::Byte(length as u64))
+                (FileFaultKind::Truncated, scallopd::surface::read::FileLocation::Byte(length as u64))
             );
         }
     }

@@ -92,10 +92,10 @@ fn a_decimal_comma_in_quotation_marks_is_read_beside_the_separator() {
     assert_eq!(points("0,\"0,000\",\"1,234\"\n"), [[0.0, 0.0, 1.234]]);
     assert_eq!(refusal("\"1,5\",2,3\n4,5.5,6\n"), "line 2: expected a number with a decimal comma, as before, found \"5.5\"");
     assert_eq!(refusal("1.5,2,3\n\"4,5\",5,6\n"), "line 2: expected a number, found \"\\\"4,5\\\"\"");
-    assert_eq!(read("\"1,234.5\",2,3\n").unwrap_err().kind(), FaultKind::Malformed);
+    assert_eq!(read("\"1,234.5\",2,3\n").unwrap_err().kind(), FileFaultKind::Malformed);
     // The first number with a decimal mark determines the mark; this number has none.
     let thousands = read("x,y,z\n\"10,500\",\"2,250\",\"3,125\"\n").unwrap_err();
-    assert_eq!(thousands.kind(), FaultKind::Ambiguous);
+    assert_eq!(thousands.kind(), FileFaultKind::Ambiguous);
     assert_eq!(
         thousands.to_string(),
         "line 2: expected a decimal point, or a semicolon between columns, found \"10,500\": either a decimal comma, or a comma between thousands"
@@ -108,7 +108,7 @@ fn further_columns_are_counted() {
     assert_eq!(recorder.points, TWO);
     assert_eq!(
         summary,
-        Summary { format: Format::Text, points: 2, facets: 0, unit: None, notes: Notes { further_columns: 3, ..Notes::default() } }
+        ReadSummary { format: Format::Text, points: 2, facets: 0, unit: None, notes: Notes { further_columns: 3, ..Notes::default() } }
     );
     assert_eq!(read("1,2,3").unwrap().1.notes, Notes::default());
 }
@@ -153,7 +153,7 @@ fn numbers_out_of_range_are_refused() {
         ("1\t2\t3\n4\t1.1e12\t6\n", "\"1.1e12\""),
     ] {
         let fault = read(file).unwrap_err();
-        assert_eq!(fault.kind(), FaultKind::OutOfRange);
+        assert_eq!(fault.kind(), FileFaultKind::OutOfRange);
         assert_eq!((fault.expected(), fault.found()), ("a finite coordinate of at most 1e12 in magnitude", found), "{file:?}");
     }
     assert_eq!(points("1e12 -1e12 0"), [[1e12, -1e12, 0.0]]);
@@ -168,7 +168,7 @@ fn text_in_utf_16_is_read() {
         assert_eq!(read_in_pieces(&file, 1, FormatHint::default()).0.points, TWO);
     }
     let stl: Vec<u8> = "\u{feff}solid a\n".encode_utf16().chain(std::iter::repeat_n(0x20, 1 << 17)).flat_map(u16::to_le_bytes).collect();
-    assert_eq!(read(stl).unwrap_err().kind(), FaultKind::TooLarge);
+    assert_eq!(read(stl).unwrap_err().kind(), FileFaultKind::TooLarge);
     // A header may be in Latin-1.
     let (recorder, summary) = read(b"X [\xb5m];Y [\xb5m];Z [\xb5m]\n1;2;3\n").unwrap();
     assert_eq!((recorder.points, summary.unit), (vec![[1.0, 2.0, 3.0]], Some(Unit::Micrometre)));
@@ -261,7 +261,7 @@ fn ambiguous_text_is_refused_with_both_readings() {
     }
     let wide = "0.5 ".repeat(13) + "\n";
     let fault = read(wide.repeat(5)).unwrap_err();
-    assert_eq!((fault.kind(), fault.expected()), (FaultKind::Ambiguous, "at most 12 numbers in a line without a header"));
+    assert_eq!((fault.kind(), fault.expected()), (FileFaultKind::Ambiguous, "at most 12 numbers in a line without a header"));
     // A decimal point, sign or blank where a fraction cannot have one resolves the ambiguity.
     for file in ["1,2,3,255,0,0\n1.5,2,3,255,0,0\n", "1,-2,3,4,5,6\n1,2,3,4,5,6\n", "1, 2, 3, 4, 5, 6\n", "1,2,3,4\n5,6,7,8\n"] {
         assert!(read(file).is_ok(), "{file:?}");
@@ -284,7 +284,7 @@ fn a_matrix_of_heights_is_refused_whatever_its_size() {
     for (rows, columns) in [(3, 4), (4, 4), (30, 4), (30, 7), (7, 12), (200, 5), (2000, 8), (30_000, 6)] {
         let heights = table(rows, columns, bumpy);
         let fault = read(&heights).unwrap_err();
-        assert_eq!((fault.kind(), fault.location()), (FaultKind::Ambiguous, FileLocation::Line(1)), "{rows} x {columns}");
+        assert_eq!((fault.kind(), fault.location()), (FileFaultKind::Ambiguous, FileLocation::Line(1)), "{rows} x {columns}");
         assert_eq!(fault.expected(), "a header that names x, y and z");
         let readings = "either a matrix of heights, or points and their properties; send heights as points x, y, z";
         assert_eq!(fault.found(), format!("{rows} lines of {columns} numbers: {readings}"));
@@ -295,8 +295,8 @@ fn a_matrix_of_heights_is_refused_whatever_its_size() {
         assert_eq!(points_beside_others(&format!("# {names}\n{heights}")), rows as usize);
     }
     let inclined = |row: f64, column: f64| format!("{:.2}", 0.2 * row + 5.0 * column);
-    assert_eq!(read(table(10, 6, inclined)).unwrap_err().kind(), FaultKind::Ambiguous);
-    assert_eq!(read(table(10, 6, |row, column| (row * column).to_string())).unwrap_err().kind(), FaultKind::Ambiguous);
+    assert_eq!(read(table(10, 6, inclined)).unwrap_err().kind(), FileFaultKind::Ambiguous);
+    assert_eq!(read(table(10, 6, |row, column| (row * column).to_string())).unwrap_err().kind(), FileFaultKind::Ambiguous);
     // The most columns of a point. A line with more is refused immediately.
     assert_eq!(read(table(3, 13, bumpy)).unwrap_err().expected(), "at most 12 numbers in a line without a header");
 }
@@ -307,7 +307,7 @@ fn three_columns_of_nearly_equal_numbers_can_be_a_matrix_of_heights() {
     for rows in [8, 30, 150] {
         let heights = table(rows, 3, bumpy);
         let fault = read(&heights).unwrap_err();
-        assert_eq!((fault.kind(), fault.location()), (FaultKind::Ambiguous, FileLocation::Line(1)), "{rows}");
+        assert_eq!((fault.kind(), fault.location()), (FileFaultKind::Ambiguous, FileLocation::Line(1)), "{rows}");
         let readings = "either a matrix of heights, or points along x = y = z; send heights as points x, y, z";
         assert_eq!(fault.found(), format!("{rows} lines of three nearly equal numbers: {readings}"));
         assert_eq!(points_beside_others(&format!("x y z\n{heights}")), rows as usize);
@@ -356,7 +356,7 @@ fn points_with_properties_need_no_header_where_these_show_what_they_are() {
     // A long table whose columns have very different ranges is not a matrix, for any further columns.
     let measured = |row: f64, _| format!("{} {:.3}", at(row), 0.01 * (row / 7.0).cos());
     assert_eq!(points_beside_others(&table(3000, 1, measured)), 3000);
-    assert_eq!(read(table(30, 1, measured)).unwrap_err().kind(), FaultKind::Ambiguous);
+    assert_eq!(read(table(30, 1, measured)).unwrap_err().kind(), FileFaultKind::Ambiguous);
     // A line with a word is not a row of a matrix.
     assert_eq!(points_beside_others("1.5 2 3 4\n2.5 3 4 good\n3.5 5 4 6\n"), 3);
 }
@@ -369,7 +369,7 @@ fn a_first_column_that_counts_up_needs_a_header() {
         table(20_000, 1, |row, _| format!("{row} {:.2} {:.2} {:.2}", row % 70.0, row / 70.0, (row / 50.0).sin())),
     ] {
         let fault = read(&file).unwrap_err();
-        assert_eq!((fault.kind(), fault.expected()), (FaultKind::Ambiguous, "a header that names x, y and z"));
+        assert_eq!((fault.kind(), fault.expected()), (FileFaultKind::Ambiguous, "a header that names x, y and z"));
         assert!(fault.found().ends_with("the first of which counts up: either x, or a number before x, y and z"), "{fault}");
     }
     let named = read("id,x,y,z\n1,0.5,0,7.25\n2,1.5,0,7.5\n3,2.5,1,7.75\n").unwrap().0.points;

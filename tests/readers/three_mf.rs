@@ -122,7 +122,7 @@ fn models_without_a_surface_are_refused_with_their_file() {
         assert!(found.starts_with(place) && found.ends_with(sentence), "{found}");
     }
     let fault = read(package("<model></build>")).unwrap_err();
-    assert_eq!((fault.kind(), fault.expected()), (FaultKind::Malformed, "well-formed XML"));
+    assert_eq!((fault.kind(), fault.expected()), (FileFaultKind::Malformed, "well-formed XML"));
     assert_eq!(fault.location(), FileLocation::Entry { path: "3D/3dmodel.model".into(), byte: 7 });
 }
 
@@ -130,10 +130,10 @@ fn models_without_a_surface_are_refused_with_their_file() {
 fn archives_other_than_packages_are_named() {
     for (name, found) in [("xl/workbook.xml", "an Excel workbook"), ("Document.xml", "a FreeCAD document"), ("part.stl", "an XML file")] {
         let fault = read(zip(&[(name, b"<a/>")])).unwrap_err();
-        assert_eq!(fault.kind(), FaultKind::UnknownFormat);
+        assert_eq!(fault.kind(), FileFaultKind::UnknownFormat);
         assert!(fault.found().starts_with(found), "{fault}");
     }
-    assert_eq!(read(&package("<model/>")[..200]).unwrap_err().kind(), FaultKind::Malformed);
+    assert_eq!(read(&package("<model/>")[..200]).unwrap_err().kind(), FileFaultKind::Malformed);
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn components_that_multiply_exponentially_are_refused() {
     let fault = read(package(&model("", &objects, "<item objectid=\"11\"/>"))).unwrap_err();
     assert_eq!(
         (fault.kind(), fault.expected()),
-        (FaultKind::TooLarge, "components nested at most 32 deep, and at most 100000 objects placed")
+        (FileFaultKind::TooLarge, "components nested at most 32 deep, and at most 100000 objects placed")
     );
 }
 
@@ -163,7 +163,7 @@ fn objects_that_contain_themselves_are_refused_with_their_cycle() {
         (wide, 40, "40 > 40"),
     ] {
         let fault = read(package(&model("", &objects, &format!("<item objectid=\"{item}\"/>")))).unwrap_err();
-        assert_eq!(fault.kind(), FaultKind::Malformed, "{fault}");
+        assert_eq!(fault.kind(), FileFaultKind::Malformed, "{fault}");
         let expected = "3D/3dmodel.model, byte 0: expected objects that do not contain themselves";
         assert_eq!(fault.to_string(), format!("{expected}, found a cycle of objects: {cycle}"));
     }
@@ -186,7 +186,7 @@ fn a_cycle_through_other_model_files_is_found() {
         ("3D/Objects/part.model", part.as_bytes()),
     ]);
     let fault = read(file).unwrap_err();
-    assert_eq!((fault.kind(), fault.found()), (FaultKind::Malformed, "a cycle of objects: 2 > 5 > 2"));
+    assert_eq!((fault.kind(), fault.found()), (FileFaultKind::Malformed, "a cycle of objects: 2 > 5 > 2"));
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn hostile_packages_are_refused_within_their_limits() {
     };
     let refused = |file: &[u8]| {
         let fault = limited(file).unwrap_err();
-        assert_eq!(fault.kind(), FaultKind::TooLarge, "{fault}");
+        assert_eq!(fault.kind(), FileFaultKind::TooLarge, "{fault}");
         fault.expected().to_owned()
     };
     let item = "<item objectid=\"1\"/>";
@@ -215,7 +215,7 @@ fn hostile_packages_are_refused_within_their_limits() {
     assert_eq!(refused(&package(&many)), "at most 100000 objects, components and build items");
     assert_eq!(refused(&directory_alone(20_000)), "a 3MF package within its limits");
     assert_eq!(refused(&directory_alone(600_000)), "a 3MF file of at most 1048576 bytes");
-    assert_eq!(read(directory_alone(4_000_000)).unwrap_err().kind(), FaultKind::TooLarge);
+    assert_eq!(read(directory_alone(4_000_000)).unwrap_err().kind(), FileFaultKind::TooLarge);
 }
 
 /// A package with a slicer's settings at this path.

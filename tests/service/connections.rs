@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use axum::http::HeaderMap;
 use axum::response::IntoResponse;
 use axum::routing::{get, post};
-use scallopd::http::worker_pool::Work;
+use scallopd::http::work::Work;
 use scallopd::http::{RouteClass, Routes};
 use tokio::io::AsyncReadExt;
 

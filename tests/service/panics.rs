@@ -2,7 +2,7 @@
 
 use axum::routing::get;
 use scallopd::http::overload::Overload;
-use scallopd::http::worker_pool::Work;
+use scallopd::http::work::Work;
 use scallopd::http::{RouteClass, Routes};
 
 use crate::app::defaults;

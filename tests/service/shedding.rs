@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use axum::routing::{get, post};
-use scallopd::http::worker_pool::Work;
+use scallopd::http::work::Work;
 use scallopd::http::{RouteClass, Routes};
 use tokio::sync::Semaphore;
 

@@ -96,6 +96,13 @@ impl Setup {
         offsets.map(left).fold(0.0, |highest, [first, second]| highest.max(first.min(second)))
     }
 
+    /// The largest height that two neighbouring passes leave over the stated contact, wherever they lie on either side of it.
+    fn highest_at_contact(&self, phases: u16, across: u16) -> f64 {
+        let offsets = (0..=across).map(|row| self.step_over * f64::from(row) / f64::from(across));
+        let left = |offset: f64| self.left_by(offset, 0.0, phases).min(self.left_by(offset - self.step_over, 0.0, phases));
+        offsets.map(left).fold(0.0, f64::max)
+    }
+
     /// The largest height over the surface that the pass at the offset `pass` leaves at the offset `aside`.
     fn left_by(&self, pass: f64, aside: f64, phases: u16) -> f64 {
         let (place, normal) = (self.surface(0.0, aside), self.normal(0.0, aside));
@@ -180,7 +187,7 @@ fn simulate(random: &mut Random, kind: Kind) -> Result<Outcome, NoAnswer> {
     let feed = random.within(0.05, 0.3);
     let target = 0.002 * 12.5_f64.powf(random.unit());
     let step_over = evaluated.max_step_over(mm(target), None)?;
-    let height = evaluated.scallop_height(step_over, Some(mm(feed)))?.total().mm();
+    let height = evaluated.scallop_height(step_over, Some(mm(feed)))?;
     // Half of the shares are at an end of their range, where teeth differ most.
     let mut share = || match random.unit() {
         u if u < 0.15 => 0.0,
@@ -196,9 +203,9 @@ fn simulate(random: &mut Random, kind: Kind) -> Result<Outcome, NoAnswer> {
     let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
     let setup = Setup { teeth, frame: frame(contact), curvature, feed, step_over: step_over.mm() };
     let (along, across) = if runs_out { (8, 32) } else { (16, 64) };
-    let share = setup.highest(along, across) / height;
-    let turn = evaluated.largest_turn(step_over, Some(mm(feed)));
-    Ok(Outcome { slope_deg, corner_ratio: corner / outer, lambda: evaluated.relative_curvature(), turn, share })
+    let highest = if matches!(kind, Kind::Harsh) { setup.highest_at_contact(along, across) } else { setup.highest(along, across) };
+    let share = highest / height.total().mm();
+    Ok(Outcome { slope_deg, corner_ratio: corner / outer, lambda: evaluated.relative_curvature(), turn: height.largest_turn(), share })
 }
 
 fn outcomes(seed: u64, count: usize, kind: Kind) -> Vec<Outcome> {

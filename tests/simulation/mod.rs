@@ -14,7 +14,7 @@ pub(crate) mod swept;
 
 use random::Random;
 use scallopd::milling::{Contact, Cutter, Envelope, NoAnswer, Pass, Runout, SurfaceCurvature};
-use scallopd::quantity::Length;
+use scallopd::quantity::{Angle, Length};
 use solid::{Grid, Setup, Solid, highest_uncut};
 
 impl Random {
@@ -52,7 +52,37 @@ impl Case {
         } else {
             (Cutter::toroidal(mm(2.0 * outer_radius), mm(ratio * outer_radius)).unwrap(), ratio * outer_radius)
         };
-        let (slope_deg, alpha_deg) = (random.with_ends(0.0, 90.0), random.with_ends(0.0, 90.0));
+        Self::of(cutter, Solid::torus(outer_radius, corner_radius), 90.0, random)
+    }
+
+    /// Draws a tapered ball, a lens, an oval or a conical barrel, on a slope at which it has an arc.
+    fn draw_of_other_shapes(random: &mut Random) -> Result<Self, NoAnswer> {
+        let radius = random.within(1.0, 10.0);
+        let (diameter, taper_deg) = (mm(2.0 * radius), random.within(2.0, 30.0));
+        let taper = Angle::from_degrees(taper_deg).unwrap();
+        let tip = random.within(0.1, 0.7) * radius;
+        let side = random.within(1.2, 10.0) * radius / taper.cos();
+        match random.unit() {
+            u if u < 0.25 => {
+                let shank = random.within(1.0, 3.0) * radius;
+                let cutter = Cutter::tapered_ball(diameter, taper, mm(2.0 * shank)).unwrap();
+                Self::of(cutter, Solid::tapered_ball(radius, taper.radians(), shank), 90.0 - taper_deg, random)
+            }
+            u if u < 0.5 => {
+                Self::of(Cutter::lens(diameter, mm(side), mm(tip)).unwrap(), Solid::two_rounds(radius, side, tip, 0.0), 90.0, random)
+            }
+            u if u < 0.75 => {
+                Self::of(Cutter::oval(diameter, mm(tip), mm(side)).unwrap(), Solid::two_rounds(radius, tip, side, 0.0), 90.0, random)
+            }
+            _ => {
+                let cutter = Cutter::conical_barrel(diameter, mm(tip), mm(side), taper).unwrap();
+                Self::of(cutter, Solid::two_rounds(radius, tip, side, taper.radians()), 90.0 - taper_deg, random)
+            }
+        }
+    }
+
+    fn of(cutter: Cutter, solid: Solid, steepest_deg: f64, random: &mut Random) -> Result<Self, NoAnswer> {
+        let (slope_deg, alpha_deg) = (random.with_ends(0.0, steepest_deg), random.with_ends(0.0, 90.0));
         let contact = Contact::from_degrees(slope_deg, alpha_deg).unwrap();
         let envelope = Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None })?;
         let left = 1e-3 * 100.0_f64.powf(random.unit());
@@ -63,7 +93,6 @@ impl Case {
         };
         let mark_spacing = random.within(1e-3, 0.4);
         let height = envelope.scallop_height(step_over, Some(mm(mark_spacing)))?.total().mm();
-        let solid = Solid { outer_radius, corner_radius };
         let theta_deg = contact.theta().radians().to_degrees();
         Ok(Self { setup: Setup { solid, slope_deg, theta_deg, step_over: step_over.mm(), mark_spacing }, height })
     }
@@ -85,11 +114,30 @@ fn wanted(default: usize) -> usize {
 
 #[test]
 fn the_height_is_never_exceeded_and_is_reached() {
+    let (median, without_answer) = simulated(Case::draw, 20_261_121);
+    assert!(median >= 0.98, "the model's height is not reached: median {median}");
+    assert!(without_answer <= 0.1, "{without_answer} of the configurations have no answer");
+}
+
+#[test]
+fn heights_of_other_shapes_are_never_exceeded_and_are_reached() {
+    let (median, without_answer) = simulated(Case::draw_of_other_shapes, 20_261_126);
+    assert!(median >= 0.97, "the model's height is not reached: median {median}");
+    // Slopes of 0, at which a lens has no flat, have answers; those at the very end of an arc may have none.
+    assert!(without_answer <= 0.15, "{without_answer} of the configurations have no answer");
+}
+
+/// The median share of the model's height that simulations reach, and the share of configurations without an answer.
+///
+/// # Panics
+///
+/// Where a simulation leaves more than the model's height.
+fn simulated(draw: fn(&mut Random) -> Result<Case, NoAnswer>, seed: u64) -> (f64, f64) {
     let wanted = wanted(240);
-    let mut random = Random(20_261_121);
+    let mut random = Random(seed);
     let (mut reached, mut without_answer) = (Vec::new(), 0);
     while reached.len() < wanted {
-        let Ok(case) = Case::draw(&mut random) else {
+        let Ok(case) = draw(&mut random) else {
             without_answer += 1;
             continue;
         };
@@ -102,6 +150,7 @@ fn the_height_is_never_exceeded_and_is_reached() {
     println!(
         "{wanted} configurations: simulated height {least:.4} to {most:.8} of the model's, median {median:.4}; {without_answer} without answer"
     );
-    assert!(median >= 0.98, "the model's height is not reached: median {median}");
-    assert!(10 * without_answer <= wanted, "{without_answer} configurations have no answer");
+    #[expect(clippy::cast_precision_loss, reason = "hundreds")]
+    let share = f64::from(without_answer) / wanted as f64;
+    (median, share)
 }

@@ -1,21 +1,67 @@
 //! A brute-force simulation of finish milling on an inclined plane. It uses only whether the cutter's solid covers a
 //! point: no radii of curvature, profiles or formulas of marks.
 
-/// A rotating cutter: a cylinder of radius R whose bottom edge is rounded by r. Its axis is the Z axis, and its
-/// corner's centre is at z = 0.
+/// A rotating cutter: a cylinder of radius R whose bottom edge has round pieces with straight ones between them. Its axis is the
+/// Z axis, and its tip is at z = 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Solid {
     /// R in mm.
     pub(crate) outer_radius: f64,
-    /// r in mm, 0 for a sharp edge, R for a ball.
-    pub(crate) corner_radius: f64,
+    rounds: [Round; 2],
+    /// The rise of the straight piece beyond the last round one, for each mm outwards.
+    flank: f64,
+}
+
+/// A piece of a circle, in the plane of the axis.
+#[derive(Debug, Clone, Copy)]
+struct Round {
+    centre: [f64; 2],
+    radius: f64,
+    /// The distances from the axis between which it lies.
+    ends: [f64; 2],
+}
+
+impl Round {
+    fn height(self, rho: f64) -> f64 {
+        self.centre[1] - (self.radius.powi(2) - (rho - self.centre[0]).powi(2)).max(0.0).sqrt()
+    }
 }
 
 impl Solid {
+    /// A flat with the corner radius r: 0 for a sharp edge, R for a ball.
+    pub(crate) fn torus(outer_radius: f64, corner_radius: f64) -> Self {
+        let core = outer_radius - corner_radius;
+        let corner = Round { centre: [core, corner_radius], radius: corner_radius, ends: [core, outer_radius] };
+        Self { outer_radius, rounds: [corner; 2], flank: 0.0 }
+    }
+
+    /// A ball of radius r on a cone of the half angle `taper`, up to the shank.
+    pub(crate) fn tapered_ball(radius: f64, taper: f64, shank_radius: f64) -> Self {
+        let ball = Round { centre: [0.0, radius], radius, ends: [0.0, radius * taper.cos()] };
+        Self { outer_radius: shank_radius, rounds: [ball; 2], flank: taper.tan().recip() }
+    }
+
+    /// Two circles that touch, the first on the axis: its centre, the second's and the joint are on one line, and the second ends at R
+    /// with a tangent of the angle `taper` to the axis.
+    pub(crate) fn two_rounds(outer_radius: f64, first: f64, second: f64, taper: f64) -> Self {
+        let aside = outer_radius - second * taper.cos();
+        let up = ((first - second).powi(2) - aside.powi(2)).sqrt().copysign(second - first);
+        let joint = aside * first / (first - second);
+        let tip = Round { centre: [0.0, first], radius: first, ends: [0.0, joint] };
+        let side = Round { centre: [aside, first + up], radius: second, ends: [joint, outer_radius] };
+        Self { outer_radius, rounds: [tip, side], flank: 0.0 }
+    }
+
     /// The height of the body's lower side at the distance `rho <= R` from the axis.
     fn floor(self, rho: f64) -> f64 {
-        let beyond_flat = rho - (self.outer_radius - self.corner_radius);
-        if beyond_flat <= 0.0 { -self.corner_radius } else { -(self.corner_radius.powi(2) - beyond_flat.powi(2)).max(0.0).sqrt() }
+        let [first, last] = self.rounds;
+        let [_, end] = last.ends;
+        match rho {
+            _ if rho < first.ends[0] => 0.0,
+            _ if rho <= first.ends[1] => first.height(rho),
+            _ if rho <= end => last.height(rho),
+            _ => last.height(end) + self.flank * (rho - end),
+        }
     }
 
     fn contains(self, [x, y, z]: [f64; 3]) -> bool {

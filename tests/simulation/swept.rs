@@ -1,30 +1,77 @@
 //! A referee for tool paths: the signed distance of points to the solid that a cutter sweeps along straight moves. It knows
 //! the cutter's solid and points of a surface, no ray, no raster and no scallop height.
 
-/// A toroidal cutter as a solid over its tip, without an upper end: R and r in mm.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Torus {
+use scallopd::milling::Cutter;
+use std::f64::consts::FRAC_PI_2;
+
+/// A convex cutter as a solid over its tip, without an upper end: arcs of its meridian, from the tip outwards.
+#[derive(Debug, Clone)]
+pub(crate) struct Solid {
     pub(crate) outer: f64,
-    pub(crate) corner: f64,
+    arcs: Vec<Arc>,
 }
 
-impl Torus {
-    /// The signed distance in mm of a point, relative to the tip, to the solid: negative inside. It is a convex function.
-    pub(crate) fn distance(self, [x, y, z]: [f64; 3]) -> f64 {
-        let Self { outer, corner } = self;
-        // Of the core: a cylinder of the radius R - r that begins at the height r over the tip.
-        let beside = x.hypot(y) - (outer - corner);
-        let below = corner - z;
-        let to_core = match (beside > 0.0, below > 0.0) {
-            (true, true) => beside.hypot(below),
-            _ => beside.max(below),
+/// An arc of the meridian: the body lies under its tangents.
+#[derive(Debug, Clone, Copy)]
+struct Arc {
+    /// The centre's distance from the axis and height over the tip, in mm.
+    centre: [f64; 2],
+    radius: f64,
+    /// The angles of the normals at its ends, from straight down, and these normals.
+    angles: [f64; 2],
+    normals: [[f64; 2]; 2],
+}
+
+impl Solid {
+    /// The solid of arcs given by centre, radius, and the angles of the normals at their ends in rad, which together go from 0 to
+    /// a right angle.
+    pub(crate) fn new(outer: f64, arcs: &[([f64; 2], f64, [f64; 2])]) -> Self {
+        let arc = |&(centre, radius, angles): &([f64; 2], f64, [f64; 2])| Arc {
+            centre,
+            radius,
+            angles,
+            normals: angles.map(|angle: f64| [angle.sin(), -angle.cos()]),
         };
-        to_core - corner
+        Self { outer, arcs: arcs.iter().map(arc).collect() }
+    }
+
+    /// A cutter with the outer radius R and the corner radius r in mm: a ball or a flat at the ends of the range of r.
+    pub(crate) fn torus(outer: f64, corner: f64) -> Self {
+        Self::new(outer, &[([outer - corner, corner], corner, [0.0, FRAC_PI_2])])
+    }
+
+    pub(crate) fn of(cutter: Cutter) -> Self {
+        let profile = cutter.profile();
+        let arcs: Vec<_> =
+            profile.arcs().iter().map(|arc| ([arc.centre_offset, arc.centre_height], arc.radius, [arc.from, arc.to])).collect();
+        Self::new(profile.outer_radius(), &arcs)
+    }
+
+    /// The signed distance in mm of a point, relative to the tip, to the solid: negative inside. It is a convex function: that of
+    /// the tangent plane that the point is farthest over.
+    pub(crate) fn distance(&self, [x, y, z]: [f64; 3]) -> f64 {
+        let rho = x.hypot(y);
+        let over = |arc: &Arc| {
+            let from_centre = [rho - arc.centre[0], z - arc.centre[1]];
+            let along = |normal: [f64; 2]| normal[0] * from_centre[0] + normal[1] * from_centre[1];
+            let turn = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+            let [first, last] = arc.normals;
+            let is_between = turn(first, from_centre) >= 0.0 && turn(from_centre, last) >= 0.0;
+            let farthest = if is_between { from_centre[0].hypot(from_centre[1]) } else { along(first).max(along(last)) };
+            farthest - arc.radius
+        };
+        self.arcs.iter().map(over).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The distance from the axis and the height over the tip of the point whose normal has this angle from straight down.
+    pub(crate) fn point(&self, angle: f64) -> [f64; 2] {
+        let arc = self.arcs.iter().find(|arc| angle <= arc.angles[1]).unwrap_or(&self.arcs[0]);
+        [arc.centre[0] + arc.radius * angle.sin(), arc.centre[1] - arc.radius * angle.cos()]
     }
 
     /// The same for the solid swept from one tip to another, where it is below `cap`; else `cap`. The distance along the
     /// move is convex, and changes by no more than the tip moves.
-    fn swept_distance(self, point: [f64; 3], [from, to]: [[f64; 3]; 2], cap: f64) -> f64 {
+    fn swept_distance(&self, point: [f64; 3], [from, to]: [[f64; 3]; 2], cap: f64) -> f64 {
         let at = |l: f64| self.distance([0, 1, 2].map(|axis| point[axis] - from[axis] - l * (to[axis] - from[axis])));
         let length = distance(from, to);
         let mut least = at(0.5).min(cap);
@@ -62,7 +109,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// Moves in pieces, in square cells seen from above.
 #[derive(Debug)]
 pub(crate) struct Swept {
-    cutter: Torus,
+    cutter: Solid,
     low: [f64; 2],
     cells: [usize; 2],
     starts: Vec<usize>,
@@ -75,7 +122,7 @@ const CELL: f64 = 1.0;
 const LONGEST: f64 = 1.0;
 
 impl Swept {
-    pub(crate) fn new(cutter: Torus, moves: impl IntoIterator<Item = [[f64; 3]; 2]>) -> Self {
+    pub(crate) fn new(cutter: Solid, moves: impl IntoIterator<Item = [[f64; 3]; 2]>) -> Self {
         let mut all: Vec<[[f64; 3]; 2]> = Vec::new();
         for [from, to] in moves {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "thousands")]
@@ -128,18 +175,42 @@ fn cell(from_low: f64) -> usize {
 
 #[test]
 fn a_cutter_along_a_line_leaves_what_its_shape_says() {
-    let [ball, flat, bull_nose] = [(3.0, 3.0), (3.0, 0.0), (5.0, 2.0)].map(|(outer, corner)| Torus { outer, corner });
-    let along = |cutter: Torus| Swept::new(cutter, [[[0.0, 0.0, 0.0], [20.0, 0.0, 0.0]]]);
+    let [ball, flat, bull_nose] = [(3.0, 3.0), (3.0, 0.0), (5.0, 2.0)].map(|(outer, corner)| Solid::torus(outer, corner));
+    let along = |cutter: &Solid| Swept::new(cutter.clone(), [[[0.0, 0.0, 0.0], [20.0, 0.0, 0.0]]]);
     for aside in [0.0_f64, 0.3, 1.0, 2.9] {
         // The distance of a point of the plane to a ball that rolls along a line of it.
         let expected = aside.hypot(3.0) - 3.0;
-        approx::assert_abs_diff_eq!(along(ball).distance([7.3, aside, 0.0], 5.0), expected, epsilon = 1e-6);
-        approx::assert_abs_diff_eq!(along(flat).distance([7.3, aside, 0.0], 5.0), 0.0, epsilon = 1e-9);
+        approx::assert_abs_diff_eq!(along(&ball).distance([7.3, aside, 0.0], 5.0), expected, epsilon = 1e-6);
+        approx::assert_abs_diff_eq!(along(&flat).distance([7.3, aside, 0.0], 5.0), 0.0, epsilon = 1e-9);
         let expected = (aside - 3.0).max(0.0).hypot(2.0) - 2.0;
-        approx::assert_abs_diff_eq!(along(bull_nose).distance([7.3, aside, 0.0], 5.0), expected, epsilon = 1e-6);
+        approx::assert_abs_diff_eq!(along(&bull_nose).distance([7.3, aside, 0.0], 5.0), expected, epsilon = 1e-6);
     }
     // Beside the end of the path, over the floor in the cutter, and farther than the cap.
-    approx::assert_abs_diff_eq!(along(flat).distance([24.0, 0.0, 1.0], 5.0), 1.0, epsilon = 1e-9);
-    approx::assert_abs_diff_eq!(along(flat).distance([7.3, 0.0, 0.5], 5.0), -0.5, epsilon = 1e-9);
-    approx::assert_abs_diff_eq!(along(ball).distance([7.3, 9.0, 0.0], 0.4), 0.4, epsilon = 1e-12);
+    approx::assert_abs_diff_eq!(along(&flat).distance([24.0, 0.0, 1.0], 5.0), 1.0, epsilon = 1e-9);
+    approx::assert_abs_diff_eq!(along(&flat).distance([7.3, 0.0, 0.5], 5.0), -0.5, epsilon = 1e-9);
+    approx::assert_abs_diff_eq!(along(&ball).distance([7.3, 9.0, 0.0], 0.4), 0.4, epsilon = 1e-12);
+}
+
+#[test]
+fn solids_of_other_shapes_have_their_distances() {
+    // A cone of 60 deg from the axis with a ball of 1 mm, up to a radius of 4 mm: the ball ends where its normal is 30 deg from straight
+    // down.
+    let side = FRAC_PI_2 / 3.0;
+    let rise = (4.0 - side.sin()) * side.tan();
+    let cone = Solid::new(4.0, &[([0.0, 1.0], 1.0, [0.0, side]), ([4.0, 1.0 - side.cos() + rise], 0.0, [side, FRAC_PI_2])]);
+    for (point, expected) in [
+        ([0.0, 0.0, -0.5], 0.5),
+        // Off the cone's side by 0.2 mm, under its ball, beside its shank, and in the middle of the ball.
+        ([2.0 + 0.2 * side.sin(), 0.0, 1.0 - side.cos() + (2.0 - side.sin()) * side.tan() - 0.2 * side.cos()], 0.2),
+        ([0.0, 0.3, 1.0 - (1.44_f64 - 0.09).sqrt()], 0.2),
+        ([0.0, 4.5, 9.0], 0.5),
+        ([0.0, 0.0, 1.0], -1.0),
+    ] {
+        approx::assert_abs_diff_eq!(cone.distance(point), expected, epsilon = 1e-12);
+    }
+    let ball = Cutter::ball_end(scallopd::quantity::Length::from_mm(6.0).unwrap());
+    let [one, other] = [Solid::of(ball), Solid::torus(3.0, 3.0)];
+    for point in [[1.0, 2.0, -0.3], [0.1, 0.0, 0.2], [4.0, 1.0, 8.0]] {
+        approx::assert_abs_diff_eq!(one.distance(point), other.distance(point), epsilon = 1e-12);
+    }
 }

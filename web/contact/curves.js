@@ -40,7 +40,7 @@ export async function heightsOverFeed(values, { slope, feedAngle, stepOver, feed
 export async function stepOverByDirection(values, { slope, feedAngle, feed, curvature }, tolerance, signal) {
   const angles = Array.from({ length: 180 / EVERY_DEG }, (_, i) => i * EVERY_DEG);
   const contacts = { slope_deg: repeated(slope, angles.length), feed_angle_deg: angles };
-  if (values.surface_form === 'curvature') {
+  if (values.surface_form !== 'plane') {
     const turned = angles.map((angle) => turn(curvature, tangentAngle(slope, angle) - tangentAngle(slope, feedAngle)));
     contacts.surface_curvature = Object.fromEntries(['along', 'across', 'twist'].map((name) => [`${name}_per_mm`, turned.map((each) => each[name])]));
   }

@@ -14,10 +14,10 @@ const roundBar = (most, kind) => roundStep(most * factorOf(kind)) / factorOf(kin
 const line = (points) => points.map(([x, y], index) => `${index ? 'L' : 'M'}${x.toFixed(2)} ${y.toFixed(2)}`).join('');
 
 /** What both drawings show. `stepOver` and heights in mm; `curvature` as {along, across, twist}. */
-export function section({ frame, diameter, cornerRadius, stepOver, curvature, height, stepOverHeight, tolerance }) {
+export function section({ frame, diameter, arcs, stepOver, curvature, height, stepOverHeight, tolerance }) {
   const R = diameter / 2;
-  const profile = new Profile(frame, R, cornerRadius);
-  return { frame, R, profile, stepOver, across: curvature.across ?? 0, groove: grooveCurvature(frame, R, cornerRadius, curvature), height, stepOverHeight, tolerance };
+  const profile = new Profile(frame, arcs);
+  return { frame, R, profile, stepOver, across: curvature.across ?? 0, groove: grooveCurvature(frame, arcs, curvature), height, stepOverHeight, tolerance };
 }
 
 // A point at the arc length x along the surface and the height w over it, in the plane of the drawing.

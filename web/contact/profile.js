@@ -1,25 +1,57 @@
-// The profile of a cutter seen along the feed, exactly: the projection of its whole lower body (a disc of radius R - r, plus a ball of
-// radius r, plus the upward ray along the tool axis) onto the plane normal to the feed.
+// The profile of a cutter seen along the feed, exactly: the projection of its whole lower body (its lower outline turned about the axis, plus the
+// upward ray along the tool axis) onto the plane normal to the feed.
 //
-// With m(p) = sin(p) T - cos(p) n the support function is H(p) = r + (R - r) |m_xy|, m_xy being m's part normal to the tool axis, and the boundary
-// point is H m + H' m'. The contact, p = 0, is the origin; x runs along T, y along n.
+// The outline is a chain of arcs {radius r, offset e and height z of the centre, from and to: angles of the normal, 0 straight down}. With
+// m(p) = sin(p) T - cos(p) n the support function is H(p) = r + e |m_xy| + z m_z for the arc in whose range m is, m_xy being m's part normal to the
+// tool axis, and the boundary point is H m + H' m'. The contact, p = 0, is the origin; x runs along T, y along n.
 
 import { dot } from './frame.js';
 
 const BISECTIONS = 80;
 const TABLE = 96;
 
+const RIGHT = Math.PI / 2;
+const arc = (radius, offset, height, from, to) => ({ radius, offset, height, from, to });
+
+/** The arcs of a cutter as the service takes it, from the axis outwards. */
+export function arcsOf({ type, diameter_mm: diameter, corner_radius_mm: corner, taper_deg, shank_diameter_mm: shank, lens_radius_mm: lens, tip_radius_mm: tip, side_radius_mm: side }) {
+  const R = diameter / 2;
+  const taper = type === 'oval' ? 0 : ((taper_deg ?? 0) * Math.PI) / 180;
+  if (type === 'tapered_ball') {
+    const top = R * (1 - Math.sin(taper)) + (shank / 2 - R * Math.cos(taper)) / Math.tan(taper);
+    return [arc(R, 0, R, 0, RIGHT - taper), arc(0, shank / 2, top, RIGHT - taper, RIGHT)];
+  }
+  if (type === 'lens') {
+    const end = Math.asin((R - corner) / (lens - corner));
+    return [arc(lens, 0, lens, 0, end), arc(corner, R - corner, lens - (lens - corner) * Math.cos(end), end, RIGHT)];
+  }
+  if (type === 'oval' || type === 'conical_barrel') {
+    const beyond = side * Math.cos(taper) - R;
+    const joint = side > tip ? Math.min(Math.asin(Math.min(beyond / (side - tip), 1)), RIGHT - taper) : 0;
+    const height = tip + (side - tip) * Math.cos(joint);
+    return [arc(tip, 0, tip, 0, joint), arc(side, -beyond, height, joint, RIGHT - taper), arc(0, R, height - side * Math.sin(taper), RIGHT - taper, RIGHT)];
+  }
+  const r = { ball_end: R, flat_end: 0 }[type] ?? corner;
+  return [arc(r, R - r, r, 0, RIGHT)];
+}
+
+/** The arc whose normals contain the angle. */
+export const arcAt = (arcs, angle) => arcs.findLast(({ from }) => angle >= from) ?? arcs[0];
+
+/** The outline's points [distance from the axis, height] from the axis outwards. */
+export const outlineOf = (arcs, steps = 12) =>
+  [[0, 0], ...arcs.flatMap(({ radius, offset, height, from, to }) => Array.from({ length: steps + 1 }, (_, i) => from + ((to - from) * i) / steps).map((angle) => [offset + radius * Math.sin(angle), height - radius * Math.cos(angle)]))];
+
 export class Profile {
-  #a;
-  #r;
+  #arcs;
   #origin;
+  #lower;
   #table;
   #ends;
 
-  /** `frame` as frame.js gives it; outer radius R and corner radius r in mm. */
-  constructor(frame, R, r) {
-    this.#a = R - r;
-    this.#r = r;
+  /** `frame` as frame.js gives it, and the arcs of the cutter. */
+  constructor(frame, arcs) {
+    this.#arcs = arcs;
     const [across, up] = [dot(frame.T, frame.Z), dot(frame.n, frame.Z)];
     this.axis = [across, up];
     // m points down, m . Z <= 0, between these angles; beyond them runs the cutter's side.
@@ -32,8 +64,16 @@ export class Profile {
     this.#origin = [(left[0] + right[0]) / 2, right[1]];
     /** The tool axis passes here. */
     this.centre = this.#origin.map((part) => -part);
-    this.#table = Float64Array.from({ length: TABLE + 1 }, (_, i) => this.#at(this.low + ((this.high - this.low) * i) / TABLE)[0]);
-    this.#ends = [this.#at(this.low), this.#at(this.high)];
+    // Beyond these angles the boundary turns back over itself.
+    this.#lower = [Math.max(this.low, -RIGHT), Math.min(this.high, RIGHT)];
+    this.#table = Float64Array.from({ length: TABLE + 1 }, (_, i) => this.#at(this.#angle(i))[0]);
+    this.#ends = this.#lower.map((angle) => this.#at(angle));
+  }
+
+  // The angle of an entry of the table.
+  #angle(i) {
+    const [from, to] = this.#lower;
+    return from + ((to - from) * i) / TABLE;
   }
 
   // The angle whose boundary point lies at x, between two neighbouring angles: [below, above]. The table brackets it; secant steps and bisections in turn narrow the bracket, bisections because x jumps at the flat.
@@ -44,8 +84,7 @@ export class Profile {
       if (this.#table[middle] < x) first = middle;
       else last = middle;
     }
-    const angle = (i) => this.low + ((this.high - this.low) * i) / TABLE;
-    let [low, high, atLow, atHigh] = [angle(first), angle(last), this.#table[first] - x, this.#table[last] - x];
+    let [low, high, atLow, atHigh] = [this.#angle(first), this.#angle(last), this.#table[first] - x, this.#table[last] - x];
     for (let i = 0; i < BISECTIONS && high - low > 1e-15; i += 1) {
       const secant = low - (atLow * (high - low)) / (atHigh - atLow);
       const guess = i % 2 === 0 && secant > low && secant < high ? secant : (low + high) / 2;
@@ -67,7 +106,8 @@ export class Profile {
     const level = Math.sqrt(Math.max(0, 1 - mz * mz));
     // d|m_xy|/dp = m_xy . m'_xy / |m_xy|, and m . m' = 0.
     const slope = level > 1e-12 ? (-mz * tz) / level : side * Math.sqrt(Math.max(0, 1 - tz * tz));
-    const [h, dh] = [this.#r + this.#a * level, this.#a * slope];
+    const { radius, offset, height } = arcAt(this.#arcs, Math.atan2(level, -mz));
+    const [h, dh] = [radius + offset * level + height * mz, offset * slope + height * tz];
     return [h * s + dh * c - this.#origin[0], -h * c + dh * s - this.#origin[1]];
   }
 
@@ -121,13 +161,14 @@ export class Profile {
  * the Schur complement of the relative curvature, less the cutter's own. For a surface curved only across the feed it is `across` itself and
  * exact; otherwise it holds in second order, and cusps drawn with it are within 1 % of the exact ones.
  */
-export function grooveCurvature(frame, R, r, { along = 0, across = 0, twist = 0 }) {
+export function grooveCurvature(frame, arcs, { along = 0, across = 0, twist = 0 }) {
   if (along === 0 && twist === 0) return across;
   const { n, F, T, Z } = frame;
   const sine = Math.sqrt(Math.max(0, 1 - dot(n, Z) ** 2));
   // Curvatures of the cutter along the steepest line and across it.
+  const { radius: r, offset } = arcAt(arcs, Math.asin(Math.min(sine, 1)));
   const steep = r > 0 ? 1 / r : 1e9;
-  const level = 1 / ((R - r) / Math.max(sine, 1e-9) + r);
+  const level = 1 / ((offset === 0 ? 0 : offset / Math.max(sine, 1e-9)) + r);
   const [f, t] = [dot(F, Z), dot(T, Z)];
   const length = Math.hypot(f, t);
   const [cosine, sineTheta] = length > 0 ? [f / length, t / length] : [1, 0];

@@ -1,5 +1,7 @@
 // The contact view's requests: the form's values as bodies of the service's calculations, and which field a pointer names.
 
+import { toleranceOf } from '../tolerance.js';
+
 export const ENDPOINTS = { height: 'v1/scallop-height', step: 'v1/step-over', feed: 'v1/max-feed', fastest: 'v1/cutting-parameters' };
 
 const vector = (text) =>
@@ -11,8 +13,28 @@ function stated(members) {
   return entries.length > 0 ? Object.fromEntries(entries) : undefined;
 }
 
-export function cutterOf({ type, diameter_mm, corner_radius_mm, teeth }) {
-  return stated({ type, diameter_mm, corner_radius_mm: type === 'toroidal' ? corner_radius_mm : undefined, teeth });
+/** The dimensions of each type of cutter, beside its diameter. */
+const DIMENSIONS = {
+  toroidal: ['corner_radius_mm'], ball_end: [], flat_end: [], tapered_ball: ['taper_deg', 'shank_diameter_mm'], lens: ['lens_radius_mm', 'corner_radius_mm'],
+  oval: ['tip_radius_mm', 'side_radius_mm'], conical_barrel: ['tip_radius_mm', 'side_radius_mm', 'taper_deg'],
+};
+
+/** The fields of these dimensions, but for the corner radius, which forms have with a value of their own. */
+export const FIELDS_OF_SHAPES = [
+  { name: 'taper_deg', value: 5 },
+  { name: 'shank_diameter_mm', value: 16, inch: 15.875 },
+  { name: 'lens_radius_mm', value: 40, inch: 38.1 },
+  { name: 'tip_radius_mm', value: 2, inch: 1.5875 },
+  { name: 'side_radius_mm', value: 80, inch: 76.2 },
+];
+export const SHAPE_NAMES = ['corner_radius_mm', ...FIELDS_OF_SHAPES.map(({ name }) => name)];
+
+/** Whether a cutter of this type has the dimension. */
+export const hasDimension = (type, name) => (DIMENSIONS[type] ?? []).includes(name);
+
+export function cutterOf({ type, diameter_mm, teeth, ...values }) {
+  const dimensions = SHAPE_NAMES.filter((name) => hasDimension(type, name)).map((name) => [name, values[name]]);
+  return stated({ type, diameter_mm, ...Object.fromEntries(dimensions), teeth });
 }
 
 export function contactOf(values) {
@@ -42,12 +64,13 @@ export function setting(values, model) {
 /** The body of the calculation that answers the form's question by `model`. */
 export function requestOf(values, model) {
   const { question, feed_per_tooth_mm, scallop_tolerance_mm, spindle_speed_rpm, max_feed_per_tooth_mm, max_feed_rate_mm_min } = values;
+  const tolerance = toleranceOf(values, scallop_tolerance_mm);
   const limits = { spindle_speed_rpm, max_feed_per_tooth_mm, max_feed_rate_mm_min };
   const members = {
     height: { ...stepOverOf(values), feed_per_tooth_mm },
-    step: { scallop_tolerance_mm, feed_per_tooth_mm },
-    feed: { ...stepOverOf(values), scallop_tolerance_mm, ...limits },
-    fastest: { scallop_tolerance_mm, ...limits, min_step_over_mm: values.min_step_over_mm, max_step_over_mm: values.max_step_over_mm },
+    step: { ...tolerance, feed_per_tooth_mm },
+    feed: { ...stepOverOf(values), ...tolerance, ...limits },
+    fastest: { ...tolerance, ...limits, min_step_over_mm: values.min_step_over_mm, max_step_over_mm: values.max_step_over_mm },
   }[question];
   return { ...setting(values, model), ...stated(members) };
 }
@@ -55,5 +78,6 @@ export function requestOf(values, model) {
 /** The name of the field that a pointer into a request names. */
 export function fieldAt(pointer) {
   const parts = pointer.split('/').filter((part) => part !== '' && !/^\d+$/.test(part));
-  return parts.at(-1);
+  // A roughness without Ra.
+  return parts.at(-1) === 'roughness' ? 'ra_um' : parts.at(-1);
 }

@@ -7,22 +7,22 @@ import { debounced, el, onWidth } from '../dom.js';
 import { Form, placeFaults } from '../fields.js';
 import { term, valueOf, warningList } from '../figures.js';
 import { TERMS, inWords } from '../terms.js';
-import { factorOf, unitOf } from '../units.js';
+import { ROUGHNESS_FIELDS, arrangeTolerance, heightOf, toleranceFields, toleranceOf } from '../tolerance.js';
+import { factorOf, formatWithUnit, unitOf } from '../units.js';
 import { MODELS, heightsOverFeed, heightsOverStepOver, stepOverByDirection } from './curves.js';
 import { detail, noSection, overview, section } from './drawing.js';
+import { CUTTER_FIELDS, CUTTER_NAMES, arrangeByQuestion } from './fields.js';
 import { anglesOf, frameOfAngles, frameOfVectors } from './frame.js';
 import { polarChart } from './polar.js';
+import { remediesOf, verdictOf } from './remedies.js';
+import { arcsOf } from './profile.js';
 import { ENDPOINTS, contactOf, fieldAt, requestOf } from './request.js';
 
-const QUESTIONS = [['height', 'Scallop height'], ['step', 'Largest step-over'], ['feed', 'Largest feed'], ['fastest', 'Fastest pair']];
+const QUESTIONS = [['height', 'Scallop height'], ['step', 'Largest step-over'], ['feed', 'Largest feed'], ['fastest', 'Fastest step-over and feed']];
 
 const FIELDS = [
   { name: 'question', label: 'Find', help: 'What to find: the height that a step-over and a feed leave, the largest step-over or feed under a tolerance, or the pair that finishes the most area per minute.', choices: QUESTIONS, segmented: true, value: 'height' },
-  { name: 'type', choices: [['toroidal', 'Toroidal'], ['ball_end', 'Ball end'], ['flat_end', 'Flat end']], segmented: true, value: 'toroidal' },
-  { name: 'diameter_mm', value: 10 },
-  { name: 'corner_radius_mm', value: 2 },
-  { name: 'teeth', value: 4 },
-  { name: 'spindle_speed_rpm', value: 8000 },
+  ...CUTTER_FIELDS,
   { name: 'contact_form', label: 'Contact by', help: 'State the contact by its angles or by vectors.', choices: [['angles', 'Angles'], ['vectors', 'Vectors']], segmented: true, value: 'angles' },
   { name: 'slope_deg', value: 40 },
   { name: 'feed_angle_deg', value: 30 },
@@ -30,17 +30,18 @@ const FIELDS = [
   { name: 'feed', text: true, value: '1, 0, 0.84' },
   { name: 'tool_axis', text: true, optional: '0, 0, 1' },
   { name: 'surface_form', label: 'Surface', help: 'Shape of the surface at the contact: plane, curved across the feed, or curved in all directions.', choices: [['plane', 'Plane'], ['radius', 'Radius'], ['curvature', 'Curvatures']], segmented: true, value: 'plane' },
-  { name: 'surface_radius_mm', value: 120 },
+  { name: 'surface_radius_mm', value: 120, inch: 127 },
   { name: 'along_per_mm', value: 0 },
-  { name: 'across_per_mm', value: 0.01 },
+  { name: 'across_per_mm', value: 0.01, inch: 0.25 / 25.4 },
   { name: 'twist_per_mm', value: 0 },
   { name: 'radial_mm', optional: 'none' },
   { name: 'axial_mm', optional: 'none' },
   { name: 'step_form', label: 'Measured', help: 'How the step-over is measured: along the surface, or between vertical planes seen from above.', choices: [['surface', 'On the surface'], ['xy', 'Seen from above']], segmented: true, value: 'surface' },
-  { name: 'step_over_mm', value: 0.687 },
-  { name: 'step_over_xy_mm', value: 0.65 },
-  { name: 'feed_per_tooth_mm', value: 0.15 },
-  { name: 'scallop_tolerance_mm', value: 0.01 },
+  { name: 'step_over_mm', value: 0.687, inch: 0.635 },
+  { name: 'step_over_xy_mm', value: 0.65, inch: 0.635 },
+  { name: 'feed_per_tooth_mm', value: 0.15, inch: 0.1524 },
+  { name: 'scallop_tolerance_mm', value: 0.01, inch: 0.01016 },
+  ...ROUGHNESS_FIELDS,
   { name: 'max_feed_per_tooth_mm', optional: 'no limit' },
   { name: 'max_feed_rate_mm_min', optional: 'no limit' },
   { name: 'min_step_over_mm', optional: 'no limit' },
@@ -54,16 +55,18 @@ const NEEDS = {
   min_step_over_mm: ['fastest'], max_step_over_mm: ['fastest'],
 };
 
-const ROWS = ['scallop_height_mm', 'step_over_height_mm', 'feed_height_mm', 'feed_share', 'step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', 'feed_rate_mm_min', 'area_rate_mm2_min', 'limited_by', 'effective_radius_mm', 'transverse_effective_radius_mm', 'deviation'];
+const ROWS = ['scallop_height_mm', 'step_over_height_mm', 'feed_height_mm', 'feed_share', 'ra_um', 'step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', 'feed_rate_mm_min', 'area_rate_mm2_min', 'limited_by', 'effective_radius_mm', 'transverse_effective_radius_mm', 'deviation'];
 const MAIN_ROW = { height: ['scallop_height_mm'], step: ['step_over_mm', 'step_over_xy_mm'], feed: ['feed_per_tooth_mm', 'feed_rate_mm_min'], fastest: ['step_over_mm', 'feed_per_tooth_mm', 'area_rate_mm2_min'] };
 const INFINITE_WHERE_NULL = new Set(['effective_radius_mm', 'transverse_effective_radius_mm']);
-const MODEL_NAMES = { envelope: ['Exact shape', 'Model “envelope”: the cutter’s whole lower body. Nothing of the cutter is approximated.'], analytic: ['Published', 'Model “analytic”: circles of the effective radii (Segonds et al. 2017). Weak near floors, for oblique feeds and on walls.'] };
+const MODEL_NAMES = { envelope: ['Exact', 'Model “envelope”: the cutter’s whole lower body. Nothing of the cutter is approximated.'], analytic: ['Published', 'Model “analytic”: circles of the effective radii (Segonds et al. 2017). Weak near floors, for oblique feeds and on walls.'] };
 
 export class ContactView {
   name = 'contact';
   #form;
   #results = el('div', { class: 'answer', 'aria-live': 'polite' });
   #message = el('p', { class: 'problem', role: 'alert', hidden: true });
+  // The answer in a line, which stays in sight on a narrow screen.
+  #inSight = el('p', { class: 'in-sight', 'aria-hidden': 'true' });
   #overview = el('div', { class: 'drawing overview' });
   #detail = el('div', { class: 'drawing detail' });
   #polar = el('div', { class: 'drawing polar' });
@@ -73,11 +76,16 @@ export class ContactView {
   #asked = new AbortController();
   #charted = new AbortController();
   #last = null;
+  // The last request with an answer, which stays in view while a value is typed.
+  #good = null;
   #curves = {};
   #frame = 0;
   #sizes = { overview: 0, detail: 0, polar: 0 };
 
+  #onChange;
+
   constructor(onChange) {
+    this.#onChange = onChange;
     this.#form = new Form(FIELDS, () => {
       this.#arrange();
       onChange();
@@ -102,19 +110,27 @@ export class ContactView {
       'form',
       { class: 'panel', 'aria-label': 'Contact', onsubmit: (event) => event.preventDefault() },
       form.element('question'),
-      el('h2', {}, 'Cutter'), el('div', { class: 'grid' }, form.elements('type', 'diameter_mm', 'corner_radius_mm', 'teeth', 'spindle_speed_rpm')),
+      el('h2', {}, 'Cutter'), el('div', { class: 'grid' }, form.elements(...CUTTER_NAMES)),
       el('h2', {}, 'Contact'), el('div', { class: 'grid' }, form.elements('contact_form', 'slope_deg', 'feed_angle_deg', 'normal', 'feed', 'tool_axis')),
-      el('h2', {}, 'Passes'), el('div', { class: 'grid' }, form.elements('step_form', 'step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', 'scallop_tolerance_mm', 'max_feed_per_tooth_mm', 'max_feed_rate_mm_min', 'min_step_over_mm', 'max_step_over_mm')),
+      el('h2', {}, 'Passes'), el('div', { class: 'grid' }, form.elements('step_form', 'step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', ...toleranceFields('scallop_tolerance_mm'), 'max_feed_per_tooth_mm', 'max_feed_rate_mm_min', 'min_step_over_mm', 'max_step_over_mm')),
       el('h2', {}, 'Surface and runout'), el('div', { class: 'grid' }, form.elements('surface_form', 'surface_radius_mm', 'along_per_mm', 'across_per_mm', 'twist_per_mm', 'radial_mm', 'axial_mm')),
-      el('div', { class: 'actions' }, copyButton, linkButton),
+      el('div', { class: 'actions' }, copyButton, linkButton, el('button', { type: 'button', onclick: () => this.#set(this.#form.initial()) }, 'Reset')),
     );
+  }
+
+  // Sets fields as if they were typed.
+  #set(values) {
+    this.#form.takeKnown(values);
+    this.#arrange();
+    this.#onChange();
+    return this.ask();
   }
 
   #output() {
     return el(
       'div',
       { class: 'results' },
-      this.#message,
+      this.#message, this.#inSight,
       el('div', { class: 'contact-cards' },
         el('div', { class: 'stack' },
           el('section', { class: 'card', 'aria-label': 'Answer' }, el('h2', {}, 'Answer'), this.#results),
@@ -123,18 +139,18 @@ export class ContactView {
           el('section', { class: 'card', 'aria-label': 'Cusp' }, el('h2', {}, 'Cusp between two passes'), this.#detail),
           el('section', { class: 'card', 'aria-label': 'Cutter on the surface' }, el('h2', {}, 'Across the feed, to scale'), this.#overview))),
       el('div', { class: 'columns halves' }, el('section', { class: 'card' }, this.#overStepOver.element), el('section', { class: 'card' }, this.#overFeed.element)),
-      el('p', { class: 'legend' }, el('span', { class: 'key envelope' }, 'Exact shape'), el('span', { class: 'key analytic' }, 'Published'), el('span', { class: 'key tolerance' }, 'Tolerance'), el('span', { class: 'key present' }, 'Values in use')),
+      el('p', { class: 'legend' }, el('span', { class: 'key envelope' }, 'Exact'), el('span', { class: 'key analytic' }, 'Published'), el('span', { class: 'key tolerance' }, 'Tolerance'), el('span', { class: 'key present' }, 'Values in use')),
     );
   }
 
   // Shows the fields that the choices need.
   #arrange() {
-    const { question, type, contact_form, surface_form, step_form } = this.#form.values();
+    const { question, contact_form, surface_form, step_form } = this.#form.values();
     const shown = (name, condition) => {
       this.#form.element(name).hidden = !condition;
     };
-    for (const [name, questions] of Object.entries(NEEDS)) shown(name, questions.includes(question));
-    shown('corner_radius_mm', type === 'toroidal');
+    arrangeByQuestion(this.#form, NEEDS);
+    arrangeTolerance(this.#form, 'scallop_tolerance_mm');
     for (const name of ['slope_deg', 'feed_angle_deg']) shown(name, contact_form !== 'vectors');
     for (const name of ['normal', 'feed', 'tool_axis']) shown(name, contact_form === 'vectors');
     shown('surface_radius_mm', surface_form === 'radius');
@@ -144,13 +160,25 @@ export class ContactView {
     shown('step_over_xy_mm', stepOver && step_form === 'xy');
   }
 
+  /** The form's values, the tolerance as a height too where it is stated as Ra. */
   values() {
-    return this.#form.values();
+    const values = this.#form.values();
+    return { ...values, scallop_tolerance_mm: heightOf(toleranceOf(values, values.scallop_tolerance_mm)) };
   }
 
+  state() {
+    return this.#form.state();
+  }
+
+  useUnits(isInch) {
+    this.#form.useUnits(isInch);
+  }
+
+  /** Takes the values of a link; returns those that it does not know. */
   take(values) {
-    this.#form.take({ ...Object.fromEntries(FIELDS.filter(({ choices }) => choices).map(({ name, value }) => [name, value])), ...values });
+    const unknown = this.#form.take(values);
     this.#arrange();
+    return unknown;
   }
 
   /** Draws everything again, in other units or colours. */
@@ -177,14 +205,16 @@ export class ContactView {
     try {
       const results = await Promise.all(MODELS.map((model) => post(ENDPOINTS[values.question], requestOf(values, model), signal)));
       if (signal.aborted) return;
-      this.#last = { values, results, answers: results.map(({ answer }) => answer) };
+      const answers = results.map(({ answer }) => answer);
+      this.#last = { values, results, answers };
+      if (answers.some(Boolean)) this.#good = this.#last;
       this.#showFaults();
       this.#showAnswers();
       this.#results.setAttribute('aria-busy', 'false');
       // Figures are shown first; the drawing follows in the next frame.
       cancelAnimationFrame(this.#frame);
       this.#frame = requestAnimationFrame(() => this.#drawSection());
-      this.#chart();
+      if (this.#good === this.#last) this.#chart();
     } catch (error) {
       if (error.name !== 'AbortError' && !(error instanceof Unreachable)) throw error;
     }
@@ -193,6 +223,7 @@ export class ContactView {
   // A fault of one model alone belongs to that model's column; faults of both belong to the fields.
   #showFaults() {
     this.#form.clearFaults();
+    this.#form.markTexts();
     const problems = this.#last.results.map(({ problem }) => problem);
     this.#message.hidden = true;
     if (!problems.every(Boolean)) return;
@@ -203,9 +234,15 @@ export class ContactView {
 
   #showAnswers() {
     if (!this.#last) return;
-    const { results, answers, values } = this.#last;
+    const isGood = this.#last.answers.some(Boolean);
+    this.element.classList.toggle('is-stale', !isGood);
+    const { results, answers, values } = isGood ? this.#last : (this.#good ?? this.#last);
+    const take = (changes) => this.#set(changes);
+    const { problem: fault } = this.#last.results[0];
+    const trouble = isGood ? [] : [el('p', { class: 'trouble' }, el('b', {}, `${fault.title}. `), this.#good && 'Below is the last answer.'), el('div', { class: 'actions' }, remediesOf(fault, take))];
+    this.#inSight.textContent = this.#lineOf(isGood ? answers.find(Boolean) : null, fault);
     if (answers.every((answer) => !answer)) {
-      this.#results.replaceChildren(el('p', { class: 'muted' }, results[0].problem.title ?? 'No answer'));
+      this.#results.replaceChildren(...trouble);
       return;
     }
     const cell = (answer, row) => {
@@ -229,26 +266,35 @@ export class ContactView {
       if (problem) return [el('p', { class: 'note' }, el('b', {}, `${MODEL_NAMES[model][0]}: no answer. `), problem.detail)];
       return answers[i].warnings?.length ? [el('p', { class: 'note' }, el('b', {}, `${MODEL_NAMES[model][0]}:`)), warningList(answers[i].warnings)] : [];
     });
-    this.#results.replaceChildren(table, ...notes);
+    const shown = el('div', { class: isGood ? null : 'dimmed' }, isGood && verdictOf({ values, answer: answers.find(Boolean) }, take), table, notes);
+    this.#results.replaceChildren(...trouble, shown);
+  }
+
+  // The main figures of an answer in one line.
+  #lineOf(answer, problem) {
+    if (!answer) return problem?.title ?? '';
+    const rows = MAIN_ROW[this.#last.values.question].filter((row) => answer[row] !== undefined && answer[row] !== null);
+    return rows.map((row) => `${TERMS[row].label} ${formatWithUnit(answer[row], TERMS[row].kind)}`).join(' · ');
   }
 
   // The geometry of the last answer, for drawings and charts; null where it has none.
   #geometry() {
-    const { values, answers } = this.#last ?? {};
+    const { values, answers } = this.#good ?? {};
     const answer = answers?.find(Boolean);
     if (!answer) return null;
     const contact = contactOf(values);
     const frame = contact.normal ? frameOfVectors(contact.normal, contact.feed, contact.tool_axis) : frameOfAngles(contact.slope_deg, contact.feed_angle_deg);
     if (!frame) return null;
     const { slope, feedAngle } = contact.normal ? anglesOf(frame) : { slope: contact.slope_deg, feedAngle: contact.feed_angle_deg };
-    const { diameter_mm: diameter } = values;
-    const cornerRadius = { toroidal: values.corner_radius_mm, ball_end: diameter / 2, flat_end: 0 }[values.type];
+    // A tapered ball is as wide as its shank.
+    const diameter = values.type === 'tapered_ball' ? values.shank_diameter_mm : values.diameter_mm;
+    const arcs = arcsOf(values);
     const curvature = { along: 0, across: 0, twist: 0 };
     if (values.surface_form === 'radius' && values.surface_radius_mm) curvature.across = 1 / values.surface_radius_mm;
     if (values.surface_form === 'curvature') Object.assign(curvature, { along: values.along_per_mm ?? 0, across: values.across_per_mm ?? 0, twist: values.twist_per_mm ?? 0 });
     return {
-      frame, slope, feedAngle, diameter, cornerRadius, curvature, stepOver: answer.step_over_mm, feed: answer.feed_per_tooth_mm ?? values.feed_per_tooth_mm ?? 0,
-      height: answer.scallop_height_mm, stepOverHeight: answer.step_over_height_mm, tolerance: values.scallop_tolerance_mm,
+      frame, slope, feedAngle, diameter, arcs, curvature, stepOver: answer.step_over_mm, feed: answer.feed_per_tooth_mm ?? values.feed_per_tooth_mm ?? 0,
+      height: answer.scallop_height_mm, stepOverHeight: answer.step_over_height_mm, tolerance: typeof values.scallop_tolerance_mm === 'number' ? values.scallop_tolerance_mm : undefined,
     };
   }
 
@@ -274,7 +320,7 @@ export class ContactView {
       this.#drawPolar();
       return;
     }
-    const { values } = this.#last;
+    const { values } = this.#good;
     const { tolerance } = geometry;
     try {
       const [overStepOver, overFeed, byDirection] = await Promise.all([
@@ -306,7 +352,7 @@ export class ContactView {
         if (geometry.tolerance !== undefined) marks.push({ y: geometry.tolerance * height, colour: 'tolerance' });
         return {
           x: x.map((value) => value * length), xLabel: `${label} (${unitOf('length')})`, yLabel: `Height (${unitOf('height')})`, marks,
-          series: [{ label: 'Exact shape', colour: 'envelope', values: scaled[0] }, { label: 'Published', colour: 'analytic', values: scaled[1], dash: [6, 4] }],
+          series: [{ label: 'Exact', colour: 'envelope', values: scaled[0] }, { label: 'Published', colour: 'analytic', values: scaled[1], dash: [6, 4] }],
         };
       });
     }

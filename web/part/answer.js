@@ -2,14 +2,13 @@
 
 import { el } from '../dom.js';
 import { figure, figureList, reasonList, term, valueOf, warningList } from '../figures.js';
-import { TERMS, inWords } from '../terms.js';
+import { TERMS, inWords, nameOf } from '../terms.js';
 import { formatTime, formatWithUnit, unitOf } from '../units.js';
+import { operationsTable, severalOf } from './operations.js';
+import { checkList, checksOf } from './verdict.js';
 
 /** The colours of the fastest cutters. */
 export const SERIES = ['series-1', 'series-2', 'series-3', 'series-4', 'series-5', 'series-6'];
-
-/** The label of a candidate: its name, or its shape and number. */
-export const nameOf = (candidate) => candidate.name ?? `${inWords(candidate.type ?? 'cutter')} ${candidate.cutter + 1}`;
 
 // Cutters beyond those in the chart have no colour.
 const swatch = (i) => el('span', { class: `swatch ${SERIES[i] ?? ''}` });
@@ -25,6 +24,7 @@ const COLUMNS = [
   ['feed_rate_mm_min', (candidate) => candidate.feed_rate_mm_min],
   ['scallop_p99_mm', (candidate) => candidate.scallop_height_mm?.p99],
   ['scallop_max_mm', (candidate) => candidate.scallop_height_mm?.max],
+  ['ra_um', (candidate) => candidate.ra_um],
   ['over_tolerance_share', (candidate) => candidate.over_tolerance_share],
   ['uncut_share', (candidate) => candidate.uncut_share],
   ['uncut_height_mm', (candidate) => candidate.uncut_height_mm],
@@ -34,6 +34,20 @@ const COLUMNS = [
   ['least_time_s', (candidate) => candidate.least_time_s],
   ['rectangle_time_s', (candidate) => candidate.rectangle?.machining_time_s],
 ];
+
+// Marks of a candidate whose feed is the machine's, or whose figures are estimates.
+const marksOf = ({ feed, figures }) => [
+  feed === 'assumed' && el('span', { class: 'mark', 'data-help': 'The cutter states no teeth or no speed: it is timed at the machine’s feed rate, without tooth marks.' }, 'feed assumed'),
+  figures === 'estimated' && el('span', { class: 'mark', 'data-help': 'The cutter’s estimated time is over 1.5 times the shortest, so its path was not milled.' }, 'estimated'),
+].filter(Boolean);
+
+// A word where cutters with stated and with assumed feeds are compared.
+function mixedFeeds(candidates) {
+  const assumed = candidates.filter(({ feed }) => feed === 'assumed');
+  if (assumed.length === 0 || assumed.length === candidates.length) return null;
+  const names = assumed.map((candidate) => nameOf(candidate)).join(', ');
+  return el('p', { class: 'mixed-feeds' }, el('b', {}, `The feed of ${names} is assumed. `), `${assumed.length === 1 ? 'It is' : 'They are'} timed at the machine’s feed rate without tooth marks, the others at their own feed: state teeth and speed before comparing them.`);
+}
 
 const isTime = (name) => TERMS[name].kind === 'time';
 
@@ -46,7 +60,7 @@ function timeBar(seconds, longest) {
 /** The button that shows a cutter's map, or a word if the map is shown. `onMap` is null if there is no map. */
 function mapButton(cutter, isShown, onMap) {
   if (isShown) return el('span', { class: 'muted' }, 'shown');
-  if (!onMap) return el('span', { class: 'muted', 'data-help': 'Only the recommended cutter of a tool library has a map. Add this one by hand to see its own.' }, '–');
+  if (!onMap) return el('span', { class: 'muted', 'data-help': 'The page cannot read this cutter’s library. Add the cutter by hand to see its map.' }, '–');
   return el('button', { type: 'button', class: 'quiet', 'aria-label': `Show the map of ${nameOf(cutter)}`, onclick: () => onMap(cutter) }, 'show');
 }
 
@@ -65,7 +79,7 @@ export function rankingTable(answer, mapped, mapFor) {
     el('tbody', {}, candidates.map((candidate, i) => el(
       'tr',
       { 'data-cutter': candidate.cutter, class: i === 0 ? 'best' : '' },
-      el('th', { scope: 'row' }, swatch(i), nameOf(candidate)),
+      el('th', { scope: 'row' }, swatch(i), nameOf(candidate), marksOf(candidate)),
       map && el('td', {}, mapButton(candidate, mapped === candidate.cutter, mapFor(candidate))),
       present.map(([name, read], at) => el('td', { class: at === 0 ? 'with-bar' : null }, cell(name, read(candidate)), at === 0 && timeBar(candidate.machining_time_s, longest))),
     ))),
@@ -73,9 +87,10 @@ export function rankingTable(answer, mapped, mapFor) {
 }
 
 /** The recommendation: the cutter, its main figures, its lead, and the confidence with its reasons. */
-export function headline(answer) {
+export function headline(answer, parameters) {
   const { recommended, confidence, candidates, warnings } = answer;
   const first = candidates.find(({ cutter }) => cutter === recommended.cutter);
+  const several = severalOf(answer);
   const second = candidates.find(({ cutter }) => cutter !== recommended.cutter);
   const lead = second && recommended.machining_time_s > 0 ? second.machining_time_s / recommended.machining_time_s - 1 : null;
   const entry = (name, value) => value !== undefined && el('div', {}, el('dt', {}, term(name)), el('dd', {}, value));
@@ -83,14 +98,19 @@ export function headline(answer) {
   return el(
     'div',
     { class: 'headline' },
-    el('p', { class: 'choice' }, swatch(candidates.indexOf(first)), el('b', { 'data-figure': 'recommended' }, nameOf(first)), el('span', { class: 'muted' }, inWords(first.type))),
+    el('p', { class: 'choice' }, swatch(candidates.indexOf(first)), el('b', { 'data-figure': 'recommended' }, nameOf(first)), el('span', { class: 'muted' }, inWords(first.type)), marksOf(first)),
+    mixedFeeds(candidates),
     el('dl', { class: 'figures lead' },
       entry('machining_time_s', timeOf('recommended_time', recommended.machining_time_s)),
       shown('direction_deg', recommended.direction_deg),
       shown('step_over_xy_mm', recommended.step_over_xy_mm),
       shown('feed_rate_mm_min', recommended.feed_rate_mm_min),
       shown('scallop_p99_mm', first.scallop_height_mm?.p99),
-      shown('uncut_share', first.uncut_share)),
+      shown('ra_um', first.ra_um),
+      shown('uncut_share', first.uncut_share),
+      shown('rest_area_share', answer.rest_area_share)),
+    several && operationsTable(several, recommended),
+    checkList(checksOf(several ?? first, parameters, confidence)),
     lead !== null && el('p', { class: 'muted' }, `${nameOf(second)} comes next and takes ${formatWithUnit(lead, 'share')} longer.`),
     el('div', { class: `confidence ${confidence.level}` }, el('p', {}, 'Confidence: ', el('b', {}, confidence.level), confidence.reasons.length === 0 && el('span', { class: 'muted' }, ' – no weakness of the method shows on this surface.')), reasonList(confidence.reasons)),
     warningList(warnings),
@@ -129,15 +149,19 @@ export function rankingRows(answer) {
   return [header, [...ranked, ...others]];
 }
 
-/** The passes as CSV: header and rows, one for each point. */
+const CURVATURES = ['along_per_mm', 'across_per_mm', 'twist_per_mm'];
+const rounded = (value, decimals) => Number(value.toFixed(decimals));
+const significant = (value) => (value === null ? '' : Number(value.toPrecision(6)));
+
+/** The passes as CSV: header and rows, one for each point of the tip's path. Points off the surface have no contact, normal and curvature. */
 export function passRows(passes) {
   const columns = ['step_over_mm', 'feed_per_tooth_mm', 'feed_rate_mm_min', 'scallop_height_mm'].filter((name) => passes[name]);
-  const header = ['run', 'x_mm', 'y_mm', 'z_mm', 'nx', 'ny', 'nz', 'tip_x_mm', 'tip_y_mm', 'tip_z_mm', ...columns];
-  const three = (vector) => vector ?? ['', '', ''];
+  const header = ['run', 'move', 'x_mm', 'y_mm', 'z_mm', 'contact_x_mm', 'contact_y_mm', 'contact_z_mm', 'nx', 'ny', 'nz', ...columns, ...CURVATURES];
+  const three = (vector, decimals) => (vector ? vector.map((part) => rounded(part, decimals)) : ['', '', '']);
   let run = 0;
   const rows = passes.tip_mm.map((tip, i) => {
     while (run + 1 < passes.run_starts.length && passes.run_starts[run + 1] <= i) run += 1;
-    return [run, ...three(passes.contact_mm[i]), ...three(passes.normal[i]), ...tip, ...columns.map((name) => passes[name][i])];
+    return [run, passes.move[i], ...three(tip, 5), ...three(passes.contact_mm[i], 5), ...three(passes.normal[i], 7), ...columns.map((name) => significant(passes[name][i])), ...CURVATURES.map((name) => significant(passes.surface_curvature[name][i]))];
   });
   return [header, rows];
 }

@@ -1,14 +1,14 @@
 // Surfaces to try the part view with, as the service takes them in JSON and as files.
 
-/** A hill with a groove 2 mm deep, rounded to 4.3 mm at its bottom, which large cutters cannot reach: a grid of 181 x 121 points. */
+/** A hill with a groove 2 mm deep, rounded to 4.3 mm at its bottom, which large cutters cannot reach: a grid of 109 x 73 points. */
 function grooved() {
-  const [columns, rows, cell, depth, halfWidth] = [181, 121, 0.5, 2, 6.5];
+  const [columns, rows, cell, depth, halfWidth] = [109, 73, 0.5, 2, 6.5];
   const points = [];
   for (let row = 0; row < rows; row += 1) {
     for (let column = 0; column < columns; column += 1) {
       const [x, y] = [column * cell, row * cell];
-      const ground = 9 * Math.exp(-(((x - 30) / 22) ** 2) - ((y - 30) / 26) ** 2) + 0.06 * x + 2.2 * Math.sin(y / 14);
-      const offset = x - 66 - 5 * Math.sin(y / 17);
+      const ground = 4 * Math.exp(-(((x - 17) / 15) ** 2) - ((y - 18) / 18) ** 2) + 0.06 * x + 0.9 * Math.sin(y / 9);
+      const offset = x - 40 - 3 * Math.sin(y / 10);
       const groove = Math.abs(offset) < halfWidth ? (depth / 2) * (1 + Math.cos((Math.PI * offset) / halfWidth)) : 0;
       points.push([Number(x.toFixed(3)), Number(y.toFixed(3)), Number((ground - groove).toFixed(4))]);
     }
@@ -22,7 +22,7 @@ const fetched = (path) => async () => (await fetch(path)).json();
 export const EXAMPLES = [
   ['surface_1', 'Ruled patch, 42°, 80 × 60 mm', fetched('workbench/examples/surface_1.json')],
   ['surface_2', 'Wavy patch, 17°, 48 × 61 mm', fetched('workbench/examples/surface_2.json')],
-  ['grooved', 'Hill with a groove, 90 × 60 mm', async () => grooved()],
+  ['grooved', 'Hill with a groove, 54 × 36 mm', async () => grooved()],
 ];
 
 // Bernstein polynomials of the degree `degree` at `t`.

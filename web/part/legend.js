@@ -1,8 +1,7 @@
-// The legend of the map: the scale of colours with its ticks, the tolerance, and what grey means.
+// The legend of the map: the scale of colours with its ticks, the tolerance, and the colours beside the scale.
 
 import { el, svg } from '../dom.js';
 import { factorOf, formatWithUnit, ticks, unitOf } from '../units.js';
-import { NO_VALUE } from './palette.js';
 
 const HEIGHT = 36;
 const EDGE = 14;
@@ -10,8 +9,10 @@ const SLICES = 120;
 
 const css = ([red, green, blue]) => `rgb(${red | 0} ${green | 0} ${blue | 0})`;
 
-/** The legend of a layer {label, kind, grey} with its colour scale, at most `width` pixels wide; `hasGrey` where cells have no value. */
-export function legendOf({ label, kind, grey }, { low, high, tolerance, colourOf, note }, width, hasGrey) {
+const key = ([text, colour]) => el('span', { class: 'colour-key' }, svg('svg', { width: 12, height: 12, 'aria-hidden': 'true' }, svg('rect', { width: 12, height: 12, rx: 2, fill: css(colour) })), text);
+
+/** The legend of a layer {label, kind} with its colour scale, at most `width` pixels wide; `keys` are further colours, [text, colour]. */
+export function legendOf({ label, kind }, { low, high, tolerance, colourOf, note }, width, keys) {
   const factor = factorOf(kind);
   const bar = width - 2 * EDGE;
   const at = (value) => EDGE + ((value - low) / (high - low)) * bar;
@@ -24,8 +25,8 @@ export function legendOf({ label, kind, grey }, { low, high, tolerance, colourOf
       ticks(low * factor, high * factor, 5).map((tick) => svg('text', { x: at(tick / factor), y: 27, 'text-anchor': 'middle' }, String(tick))),
       tolerance && svg('path', { class: 'tolerance-mark', d: `M${at(tolerance)} 1v16` }),
     ),
-    el('span', {}, `${label} (${unitOf(kind)})${tolerance ? `; the mark is the scallop height asked for, ${formatWithUnit(tolerance, 'height')}` : ''}`),
+    el('span', {}, `${label} (${unitOf(kind)})${tolerance ? `; the mark is the tolerance, ${formatWithUnit(tolerance, 'height')}` : ''}`),
     note && el('span', {}, note),
-    hasGrey && el('span', { class: 'grey-key' }, svg('svg', { width: 12, height: 12, 'aria-hidden': 'true' }, svg('rect', { width: 12, height: 12, rx: 2, fill: css(NO_VALUE) })), grey),
+    ...keys.map(key),
   ].filter(Boolean);
 }

@@ -1,22 +1,18 @@
-// The map of the part: the service's raster seen from above or turned, coloured by slope, scallop height, uncut height or Z, with a
-// legend and the values under the pointer or the keyboard's cross. Dragging over the map from above selects a box.
+// The map of the part: the service's raster seen from above or in 3D, coloured by slope, scallop height, uncut height or Z, with a legend and
+// the values under the pointer or the keyboard's cross. Dragging over the map from above selects a box.
 
 import { el, onWidth } from '../dom.js';
 import { Field } from '../fields.js';
 import { TERMS } from '../terms.js';
 import { format, formatWithUnit, unitOf } from '../units.js';
+import { colouringOf } from './colouring.js';
 import { legendOf } from './legend.js';
-import { Placement, drawBox, drawCross, drawDirection, drawPasses, drawScale } from './overlays.js';
-import { NO_VALUE, scaleOf } from './palette.js';
-import { drawRelief } from './relief.js';
+import { hex } from './palette.js';
+import { movesOf } from './program.js';
+import { Placement, drawBox, drawCross, drawDirection, drawPath, drawPlaces, drawScale } from './overlays.js';
 
-// [member of the map, label, name in the glossary, what a cell without a value is]
-const LAYERS = [
-  ['scallop_height_mm', 'Scallop height', 'scallop_height_mm', 'not machined, or uncut'],
-  ['slope_deg', 'Slope', 'slope_deg', 'no slope'],
-  ['uncut_mm', 'Uncut', 'uncut_mm', 'not machined'],
-  ['z_mm', 'Height', 'height_over_datum', 'no surface'],
-];
+// [member of the map, label, name in the glossary]
+const LAYERS = [['scallop_height_mm', 'Scallop height', 'scallop_height_mm'], ['slope_deg', 'Slope', 'slope_deg'], ['uncut_mm', 'Uncut', 'uncut_mm'], ['z_mm', 'Height', 'height_over_datum']];
 const [LOWEST, TALLEST] = [280, 560];
 // A shorter drag is a click.
 const SHORTEST_DRAG = 6;
@@ -26,23 +22,28 @@ export class PartMap {
   #shown = {};
   #width = 0;
   #place = null;
-  #turn = { yaw: 0.6, pitch: 0.75 };
+  // The 3D view, once it was asked for.
+  #solid = null;
+  #toolAt = null;
   #cross = null;
   #dragFrom = null;
   #box = null;
   #isDue = false;
   #onBox;
-  #canvas = el('canvas', { tabindex: '0', role: 'img', 'aria-label': 'Map of the part. Arrow keys move the cross, or turn the part in the turned view.' });
+  #canvas = el('canvas', { tabindex: '0', role: 'img', 'aria-label': 'Map of the part. Arrow keys move the cross.' });
+  #solidCanvas = el('canvas', { class: 'solid', tabindex: '0', role: 'img', hidden: true, 'aria-label': 'The part in 3D. Arrow keys turn it, plus and minus zoom, page keys move the tool along its path.' });
   #legend = el('div', { class: 'map-legend' });
   #readout = el('p', { class: 'readout', 'aria-live': 'polite' });
   #caption = el('p', { class: 'muted' });
   #layer = new Field({ name: 'layer', label: 'Colour by', help: 'What the colours of the map show.', choices: LAYERS, segmented: true, value: 'scallop_height_mm' }, () => this.draw());
-  #view = new Field({ name: 'view', label: 'View', help: 'The part from above, or turned: drag it, or use the arrow keys.', choices: [['above', 'From above'], ['turned', 'Turned']], segmented: true, value: 'above' }, () => this.draw());
+  #view = new Field({ name: 'view', label: 'View', help: 'The part from above, or in 3D: drag to turn, scroll to zoom; arrow keys turn, + and − zoom, page keys move the tool.', choices: [['above', 'From above'], ['solid', '3D']], segmented: true, value: 'above' }, () => this.draw());
 
-  /** `onBox({min: [x, y], max: [x, y]})` is called, in mm, when a box was dragged over the map. */
+  #passes = new Field({ name: 'path', label: 'Tool path', help: 'The tip’s path of the program, over the colours; rapid moves are dotted.', choices: [['no', 'Off'], ['yes', 'On']], segmented: true, value: 'no' }, () => this.draw());
+
+  /** `onBox({min: [x, y], max: [x, y]})` is called, in mm, when a box was dragged over the map; null if boxes are not selected. */
   constructor(onBox) {
     this.#onBox = onBox;
-    this.element = el('div', { class: 'map' }, el('div', { class: 'map-controls' }, this.#layer.element, this.#view.element), this.#caption, this.#canvas, this.#legend, this.#readout);
+    this.element = el('div', { class: 'map' }, el('div', { class: 'map-controls' }, this.#layer.element, this.#view.element, this.#passes.element), this.#caption, this.#canvas, this.#solidCanvas, this.#legend, this.#readout);
     onWidth(this.element, (width) => {
       this.#width = width;
       this.draw();
@@ -55,12 +56,27 @@ export class PartMap {
     this.#canvas.addEventListener('keydown', (event) => this.#key(event));
   }
 
-  /** Shows the raster `map` with {tolerance in mm, direction in degrees, passes?, caption, layer?}. */
+  /** Shows the raster `map` with {tolerance in mm, direction in degrees, program?, operations?, places?, cutter?, file?, caption, more?: [words, action], layer?}; `operations` are the colours of the program's operations with their words. */
   show(map, shown) {
-    [this.#map, this.#shown, this.#cross, this.#box] = [map, shown, null, null];
+    [this.#map, this.#shown, this.#cross, this.#box, this.#toolAt] = [map, shown, null, null, null];
     if (shown.layer) this.#layer.set(shown.layer);
-    this.#caption.textContent = shown.caption;
+    const isLayer = ([name]) => map[name] !== undefined;
+    for (const [name] of LAYERS) this.#layer.element.querySelector(`input[value="${name}"] + label`).hidden = map[name] === undefined;
+    if (!map[this.#layer.value]) this.#layer.set(LAYERS.find(isLayer)[0]);
+    const [more, onMore] = shown.more ?? [];
+    this.#caption.replaceChildren(shown.caption, more ? el('button', { type: 'button', class: 'quiet', onclick: onMore }, more) : '');
     this.draw();
+  }
+
+  /** The drawing as the address of an image. */
+  image() {
+    return this.#canvas.toDataURL('image/png');
+  }
+
+  // The moves of the program, read when they are first drawn.
+  get #path() {
+    if (this.#shown.program) this.#shown.path ??= movesOf(this.#shown.program);
+    return this.#shown.path;
   }
 
   // One drawing for all events of a frame.
@@ -75,7 +91,7 @@ export class PartMap {
 
   draw() {
     if (!this.#map || !this.#width) return;
-    const { columns, rows, cell_mm: cell } = this.#map;
+    const { columns, rows } = this.#map;
     const height = Math.min(Math.max((this.#width * rows) / columns, LOWEST), TALLEST);
     this.#place = new Placement(this.#map, this.#width, height);
     const ratio = globalThis.devicePixelRatio || 1;
@@ -84,43 +100,27 @@ export class PartMap {
     this.#canvas.style.height = `${height}px`;
     const context = this.#canvas.getContext('2d');
     context.scale(ratio, ratio);
-    const [layer, label, term, grey] = LAYERS.find(([name]) => name === this.#layer.value);
-    const values = this.#map[layer];
-    const scale = scaleOf(layer, values, this.#shown.tolerance);
-    const shade = this.#shading(values, scale);
-    if (this.#view.value === 'turned') drawRelief(context, this.#map, cell, { width: this.#width, height, ...this.#turn }, shade);
-    else this.#drawAbove(context, shade);
-    const hasGrey = values.some((value, index) => value === null && this.#map.z_mm[index] !== null);
-    this.#legend.replaceChildren(...legendOf({ label, kind: TERMS[term].kind, grey }, scale, Math.min(this.#width, 420), hasGrey));
+    const [layer, label, term] = LAYERS.find(([name]) => name === this.#layer.value);
+    const { scale, colourOf, keys } = colouringOf(this.#map, layer, this.#shown.tolerance);
+    this.#drawAbove(context, colourOf);
+    this.#canvas.hidden = this.#isSolid;
+    this.#solidCanvas.hidden = !this.#isSolid;
+    if (this.#isSolid) this.#drawSolid(colourOf);
+    this.#passes.element.hidden = !this.#shown.program;
+    const operations = this.#passes.value === 'yes' ? (this.#shown.operations ?? []).map(([text, colour]) => [text, hex(colour)]) : [];
+    this.#legend.replaceChildren(...legendOf({ label, kind: TERMS[term].kind }, scale, Math.min(this.#width, 420), [...keys, ...operations]));
     this.#showReadout();
   }
 
-  // A cell's colour, lit from the upper left.
-  #shading(values, { colourOf }) {
-    const { columns, rows, z_mm: z, cell_mm: cell } = this.#map;
-    return (index) => {
-      const value = values[index];
-      const [column, row] = [index % columns, Math.floor(index / columns)];
-      const slopeOf = (a, b, steps) => (z[a] === null || z[b] === null || steps === 0 ? 0 : (z[b] - z[a]) / (steps * cell));
-      const [left, right] = [Math.max(column - 1, 0), Math.min(column + 1, columns - 1)];
-      const [below, above] = [Math.max(row - 1, 0), Math.min(row + 1, rows - 1)];
-      const dx = slopeOf(row * columns + left, row * columns + right, right - left);
-      const dy = slopeOf(below * columns + column, above * columns + column, above - below);
-      const light = (0.45 * dx - 0.45 * dy + 0.77) / Math.hypot(dx, dy, 1);
-      const factor = 0.7 + 0.38 * Math.max(0, Math.min(light, 1));
-      return (value === null ? NO_VALUE : colourOf(value)).map((part) => Math.min(255, part * factor));
-    };
-  }
-
-  #drawAbove(context, shade) {
+  #drawAbove(context, colour) {
     const { columns, rows, z_mm: z } = this.#map;
-    const { passes, direction, box } = this.#shown;
+    const { direction, box, places } = this.#shown;
     const image = new ImageData(columns, rows);
     for (let index = 0; index < columns * rows; index += 1) {
       if (z[index] === null) continue;
       // Rows run from the lowest y; the image's from the top.
       const at = 4 * ((rows - 1 - Math.floor(index / columns)) * columns + (index % columns));
-      image.data.set(shade(index), at);
+      image.data.set(colour(index), at);
       image.data[at + 3] = 255;
     }
     const raster = new OffscreenCanvas(columns, rows);
@@ -129,7 +129,8 @@ export class PartMap {
     context.imageSmoothingEnabled = false;
     context.drawImage(raster, place.left, place.top, columns * place.scale, rows * place.scale);
     const colours = { ink: getComputedStyle(this.#canvas).color, card: getComputedStyle(this.element.parentElement).backgroundColor };
-    if (passes) drawPasses(context, place, passes);
+    if (this.#passes.value === 'yes' && this.#path) drawPath(context, place, this.#path);
+    if (places) drawPlaces(context, place, places);
     if (this.#box ?? box) drawBox(context, place, this.#box ?? box);
     if (this.#cross) drawCross(context, place, this.#cross);
     if (typeof direction === 'number') drawDirection(context, place, direction, colours);
@@ -141,27 +142,40 @@ export class PartMap {
     return [event.clientX - box.left, event.clientY - box.top];
   }
 
-  get #isTurned() {
-    return this.#view.value === 'turned';
+  get #isSolid() {
+    return this.#view.value === 'solid';
+  }
+
+  // The 3D view is loaded when it is first shown. Without WebGL the map from above stays.
+  async #drawSolid(colourOf) {
+    const { SolidView, isPossible } = await import('../solid/view.js');
+    if (!this.#solid && !isPossible()) {
+      this.#view.set('above');
+      this.draw();
+      this.#readout.textContent = 'This browser has no WebGL 2, which the 3D view needs.';
+      return;
+    }
+    this.#solid ??= new SolidView(this.#solidCanvas, (cell, move) => {
+      [this.#cross, this.#toolAt] = [cell, move];
+      this.#showReadout();
+    });
+    const { places, cutter, file } = this.#shown;
+    const path = this.#path;
+    this.#solid.resize(this.#width, Math.min(TALLEST, Math.max(LOWEST, this.#width * 0.66)));
+    const shown = { map: this.#map, colourOf, places, cutter, path: this.#passes.value === 'yes' ? path : undefined, tips: path, file: await file?.() };
+    if (this.#isSolid) await this.#solid.show(shown);
+    this.#solidCanvas.dataset.shown = String(Number(this.#solidCanvas.dataset.shown ?? 0) + 1);
   }
 
   #press(event) {
     if (event.button !== 0) return;
     this.#canvas.setPointerCapture(event.pointerId);
     // A finger scrolls the page.
-    if (!this.#isTurned && event.pointerType !== 'touch') this.#dragFrom = this.#at(event);
+    if (this.#onBox && event.pointerType !== 'touch') this.#dragFrom = this.#at(event);
   }
 
   #move(event) {
     if (!this.#map) return;
-    if (this.#isTurned) {
-      if (event.buttons & 1) {
-        this.#turn.yaw += event.movementX / 120;
-        this.#turn.pitch = Math.min(1.5, Math.max(0.15, this.#turn.pitch + event.movementY / 150));
-        this.#drawSoon();
-      }
-      return;
-    }
     const at = this.#at(event);
     if (this.#dragFrom && Math.hypot(at[0] - this.#dragFrom[0], at[1] - this.#dragFrom[1]) >= SHORTEST_DRAG) {
       const [a, b] = [this.#dragFrom, at].map((point) => this.#place.toPart(point));
@@ -180,12 +194,6 @@ export class PartMap {
     const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
     if (!step || !this.#map) return;
     event.preventDefault();
-    if (this.#isTurned) {
-      this.#turn.yaw += step[0] * 0.1;
-      this.#turn.pitch = Math.min(1.5, Math.max(0.15, this.#turn.pitch + step[1] * 0.08));
-      this.draw();
-      return;
-    }
     const { columns, rows } = this.#map;
     const by = event.shiftKey ? 10 : 1;
     const from = this.#cross ?? { column: Math.floor(columns / 2), row: Math.floor(rows / 2) };
@@ -199,8 +207,9 @@ export class PartMap {
   }
 
   #showReadout() {
-    if (!this.#cross || this.#isTurned) {
-      this.#readout.textContent = this.#isTurned ? 'Drag the part, or use the arrow keys, to turn it.' : 'Point at the part to read its values; drag to select a box.';
+    if (!this.#cross) {
+      const tool = this.#isSolid && this.#toolAt !== null && this.#path;
+      this.#readout.textContent = tool ? this.#toolText(tool) : this.#isSolid ? 'Drag to turn the part, scroll to zoom, point at it to see the tool there.' : `Point at the part to read its values${this.#onBox ? '; drag to select a box' : ''}.`;
       return;
     }
     const { columns, cell_mm: cell, origin_mm: origin, z_mm: z, slope_deg: slope, scallop_height_mm: scallop, uncut_mm: uncut } = this.#map;
@@ -212,8 +221,14 @@ export class PartMap {
       return;
     }
     const parts = [`${position}, Z ${formatWithUnit(z[index], 'length')}`, `slope ${formatWithUnit(slope[index], 'angle')}`];
-    parts.push(scallop[index] === null ? 'no scallop height' : `scallop ${formatWithUnit(scallop[index], 'height')}`);
-    if (uncut[index] > 0) parts.push(`uncut ${formatWithUnit(uncut[index], 'height')}`);
+    parts.push((scallop?.[index] ?? null) === null ? 'no scallop height' : `scallop ${formatWithUnit(scallop[index], 'height')}`);
+    if (uncut?.[index] > 0) parts.push(`uncut ${formatWithUnit(uncut[index], 'height')}`);
+    if (this.#isSolid && this.#toolAt !== null && this.#path) parts.push(this.#toolText(this.#path));
     this.#readout.textContent = parts.join(' · ');
+  }
+
+  // Where the tool's tip is.
+  #toolText({ x, y, z }) {
+    return `tip at ${[x, y, z].map((part) => format(part[this.#toolAt], 'length')).join(', ')} ${unitOf('length')}`;
   }
 }

@@ -1,6 +1,7 @@
-// The overlays of the map from above: passes, their direction, the selected box, the cross, and the scale.
+// The overlays of the map from above: the tip's path, its direction, the selected box, the cross, and the scale.
 
 import { factorOf, roundStep, unitOf } from '../units.js';
+import { OPERATIONS } from './palette.js';
 
 const INK = 'rgb(20 30 40)';
 
@@ -38,29 +39,53 @@ export class Placement {
   }
 }
 
-export function drawPasses(context, place, { run_starts: starts, contact_mm: contacts }) {
-  const stride = Math.max(1, Math.ceil(contacts.length / 100_000));
-  context.strokeStyle = INK;
-  context.globalAlpha = 0.55;
+// A move that ends closer than this to the last drawn point, in pixels, is not seen.
+const SHORTEST_MOVE = 0.7;
+
+/** The tip's path {x, y, isRapid, operation, count}: moves at the feed rate drawn through in the colour of their operation, rapid moves dotted. */
+export function drawPath(context, place, path) {
   context.lineWidth = 0.7;
-  context.beginPath();
-  starts.forEach((start, run) => {
-    const end = starts[run + 1] ?? contacts.length;
-    let isDown = false;
-    for (let i = start; i < end; i += 1) {
-      if ((i - start) % stride !== 0 && i !== end - 1) continue;
-      if (contacts[i] === null) {
-        isDown = false;
-        continue;
-      }
-      const [x, y] = place.toScreen(contacts[i]);
-      if (isDown) context.lineTo(x, y);
-      else context.moveTo(x, y);
-      isDown = true;
-    }
-  });
-  context.stroke();
+  for (const [operation, colour] of OPERATIONS.entries()) {
+    context.strokeStyle = colour;
+    for (const rapid of [0, 1]) strokeMoves(context, place, path, operation, rapid);
+  }
+  context.setLineDash([]);
   context.globalAlpha = 1;
+}
+
+function strokeMoves(context, place, { x, y, isRapid, operation: operations, count }, operation, rapid) {
+  context.globalAlpha = rapid ? 0.8 : 0.55;
+  context.setLineDash(rapid ? [1.5, 3] : []);
+  context.beginPath();
+  let last = null;
+  for (let i = 1; i < count; i += 1) {
+    if (isRapid[i] !== rapid || operations[i] !== operation) {
+      last = null;
+      continue;
+    }
+    const at = place.toScreen([x[i], y[i]]);
+    if (!last) context.moveTo(...place.toScreen([x[i - 1], y[i - 1]]));
+    else if (Math.abs(at[0] - last[0]) + Math.abs(at[1] - last[1]) < SHORTEST_MOVE && isRapid[i + 1] === rapid) continue;
+    context.lineTo(...at);
+    last = at;
+  }
+  context.stroke();
+}
+
+/** The colours of places by their code. */
+export const PLACES = { gouge: '#c21f2e', collision: '#c21f2e', 'over-tolerance': '#e0701f', 'feed-too-high': '#b58a00', uncut: '#7a2f86' };
+
+/** Dots at the places [{code, point_mm}]. */
+export function drawPlaces(context, place, places) {
+  context.lineWidth = 1.5;
+  context.strokeStyle = 'white';
+  for (const { code, point_mm: point } of places) {
+    context.fillStyle = PLACES[code];
+    context.beginPath();
+    context.arc(...place.toScreen(point), 4, 0, 2 * Math.PI);
+    context.fill();
+    context.stroke();
+  }
 }
 
 // A plate in the colour of the card, so that its content is legible over the part.

@@ -1,26 +1,42 @@
 // The part view's fields, and the request that they make.
 
+import { FIELDS_OF_SHAPES, hasDimension } from '../contact/request.js';
+import { CUTTER_TYPES } from '../terms.js';
+import { ROUGHNESS_FIELDS, toleranceOf } from '../tolerance.js';
 import { EXAMPLES } from './examples.js';
 
 /** Candidate cutters to begin with. */
+// Carbide in tool steel, 250 m/min at the diameter.
 export const CUTTERS = [
-  { name: 'T16', type: 'toroidal', diameter_mm: 16, corner_radius_mm: 3 },
-  { name: 'T10', type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2 },
-  { name: 'B10', type: 'ball_end', diameter_mm: 10 },
-  { name: 'B6', type: 'ball_end', diameter_mm: 6 },
-  { name: 'B4', type: 'ball_end', diameter_mm: 4 },
+  { name: 'T16', type: 'toroidal', diameter_mm: 16, corner_radius_mm: 3, teeth: 4, spindle_speed_rpm: 5000, max_feed_per_tooth_mm: 0.2 },
+  { name: 'T10', type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2, teeth: 4, spindle_speed_rpm: 8000, max_feed_per_tooth_mm: 0.15 },
+  { name: 'B10', type: 'ball_end', diameter_mm: 10, teeth: 4, spindle_speed_rpm: 8000, max_feed_per_tooth_mm: 0.15 },
+  { name: 'B6', type: 'ball_end', diameter_mm: 6, teeth: 4, spindle_speed_rpm: 13000, max_feed_per_tooth_mm: 0.1 },
+  { name: 'B4', type: 'ball_end', diameter_mm: 4, teeth: 4, spindle_speed_rpm: 20000, max_feed_per_tooth_mm: 0.07 },
 ];
 
-const UNITS = [['', 'mm (3MF: its own)'], ...['mm', 'cm', 'm', 'inch', 'foot', 'um'].map((unit) => [unit, unit === 'um' ? 'µm' : unit])];
+// The same in inches: cutters with round sizes, 800 ft/min.
+const inches = (name, type, diameter, corner, speed, feed) => ({ name, type, diameter_mm: diameter * 25.4, corner_radius_mm: corner && corner * 25.4, teeth: 4, spindle_speed_rpm: speed, max_feed_per_tooth_mm: Number((feed * 25.4).toPrecision(6)) });
+export const INCH_CUTTERS = [
+  inches('5/8 R1/8', 'toroidal', 0.625, 0.125, 5000, 0.008), inches('3/8 R1/16', 'toroidal', 0.375, 0.0625, 8000, 0.006),
+  inches('3/8 ball', 'ball_end', 0.375, undefined, 8000, 0.006), inches('1/4 ball', 'ball_end', 0.25, undefined, 12000, 0.004), inches('5/32 ball', 'ball_end', 0.15625, undefined, 20000, 0.003),
+];
+
+export const UNITS = [['', 'mm (3MF: its own)'], ...['mm', 'cm', 'm', 'inch', 'foot', 'um'].map((unit) => [unit, unit === 'um' ? 'µm' : unit])];
 
 export const FIELDS = [
   { name: 'example', label: 'Surface', help: 'Your own file, or an example to try the page with.', choices: [['file', 'A file'], ...EXAMPLES.map(([name, label]) => [name, label])], value: 'grooved' },
   { name: 'unit', choices: UNITS, value: '' },
   { name: 'facing', choices: [['up', 'Up'], ['any', 'Any']], value: 'up' },
-  { name: 'tolerance_of_plan', value: 0.01 },
+  { name: 'tolerance_of_plan', value: 0.01, inch: 0.01016 },
+  ...ROUGHNESS_FIELDS,
   { name: 'pattern', choices: [['zigzag', 'Zigzag'], ['one_way', 'One way']], segmented: true, value: 'zigzag' },
   { name: 'method', choices: [['surface', 'Surface'], ['rectangle', 'Rectangle']], segmented: true, value: 'surface' },
-  { name: 'model', choices: [['', 'Method’s own'], ['envelope', 'Exact shape'], ['analytic', 'Published']], value: '' },
+  { name: 'model', choices: [['', 'Method’s own'], ['envelope', 'Exact'], ['analytic', 'Published']], value: '' },
+  { name: 'operations', label: 'Operations', help: 'The most operations of the plan: level parts to and fro, steep ones by waterlines, what one cutter leaves by a smaller one.', choices: [['1', '1'], ['2', '2'], ['3', '3']], segmented: true, value: '1' },
+  { name: 'rest_of_type', label: 'Only the rest of', help: 'A cutter that has machined everything before: only what it could not reach is planned.', choices: [['', 'No cutter before'], ...CUTTER_TYPES.filter(([type]) => !FIELDS_OF_SHAPES.some(({ name }) => hasDimension(type, name)))], value: '' },
+  { name: 'rest_of_diameter_mm', value: 10, inch: 9.525 },
+  { name: 'rest_of_corner_radius_mm', value: 2, inch: 1.5875 },
   { name: 'max_slope_deg', optional: '85' },
   { name: 'max_uncut_share', optional: '0.5' },
   { name: 'directions_deg', text: true, optional: 'all' },
@@ -35,8 +51,21 @@ export const FIELDS = [
   { name: 'rapid_rate_mm_min', optional: 'feed rate' },
   { name: 'max_spindle_speed_rpm', optional: 'no limit' },
   { name: 'clearance_height_mm', optional: '5' },
-  { name: 'passes_wanted', label: 'Passes', help: 'Also ask for the passes of the recommended plan, point by point: for the map and for download.', choices: [['no', 'No'], ['yes', 'Point by point']], segmented: true, value: 'no' },
+  { name: 'path_tolerance_mm', optional: 'none' },
+  { name: 'time_factor', optional: '1' },
+  { name: 'tool_change_s', optional: '10' },
+  { name: 'program_unit', label: 'Unit', help: 'Unit of the program: G21 or G20.', choices: [['mm', 'mm (G21)'], ['inch', 'inch (G20)']], value: 'mm' },
+  { name: 'program_decimals', optional: '4' },
+  { name: 'program_tool', optional: '1' },
+  { name: 'program_number_lines', label: 'Block numbers', help: 'N words at each block.', choices: [['no', 'No'], ['yes', 'N words']], value: 'no' },
+  { name: 'program_coolant', label: 'Coolant', help: 'M8 after the spindle starts.', choices: [['no', 'Off'], ['yes', 'M8']], value: 'no' },
+  { name: 'program_spindle_speed_rpm', optional: 'cutter’s' },
+  { name: 'program_header', text: 'lines', optional: '(PART 4711)' },
+  { name: 'program_footer', text: 'lines', optional: 'G91 G28 Z0' },
 ];
+
+/** The fields of the program. */
+export const PROGRAM = FIELDS.map(({ name }) => name).filter((name) => name.startsWith('program_'));
 
 /** The fields that select the part of the surface to machine. */
 export const SELECTION = ['select_slope_from_deg', 'select_slope_to_deg', 'box_min_x_mm', 'box_max_x_mm', 'box_min_y_mm', 'box_max_y_mm', 'box_min_z_mm', 'box_max_z_mm', 'pieces_selected'];
@@ -58,13 +87,37 @@ function selectionOf(values) {
   return Object.keys(select).length > 0 ? select : undefined;
 }
 
+// The cutter before, whose rest is machined.
+function restOf({ rest_of_type: type, rest_of_diameter_mm, rest_of_corner_radius_mm }) {
+  if (!type) return undefined;
+  return { cutter: { type, diameter_mm: rest_of_diameter_mm, corner_radius_mm: type === 'toroidal' ? rest_of_corner_radius_mm : undefined } };
+}
+
+const linesOf = (text) => text?.split('\n').map((line) => line.trim()).filter(Boolean);
+
+/** The options of the program; members at their defaults are left out. */
+export function programOf(values) {
+  const options = {
+    unit: values.program_unit === 'inch' ? 'inch' : undefined,
+    decimals: values.program_decimals,
+    tool: values.program_tool,
+    number_lines: values.program_number_lines === 'yes' || undefined,
+    coolant: values.program_coolant === 'yes' || undefined,
+    spindle_speed_rpm: values.program_spindle_speed_rpm,
+    header: linesOf(values.program_header),
+    footer: linesOf(values.program_footer),
+  };
+  const stated = Object.entries(options).filter(([, value]) => value !== undefined);
+  return stated.length > 0 ? Object.fromEntries(stated) : undefined;
+}
+
 /** The parameters of a request, all but its surface, of the form's values and the cutters. */
 export function parametersOf(values, cutters) {
   const isSurface = values.method === 'surface';
   const isFile = values.example === 'file';
   const parameters = {
     cutters: cutters.length > 0 ? cutters : undefined,
-    scallop_height_mm: values.tolerance_of_plan,
+    ...toleranceOf(values, values.tolerance_of_plan),
     machine: {
       preset: values.machine || undefined,
       feed_rate_mm_min: values.machine_feed_rate_mm_min,
@@ -73,6 +126,9 @@ export function parametersOf(values, cutters) {
       rapid_rate_mm_min: values.rapid_rate_mm_min,
       max_spindle_speed_rpm: values.max_spindle_speed_rpm,
       clearance_height_mm: values.clearance_height_mm,
+      path_tolerance_mm: values.path_tolerance_mm,
+      time_factor: values.time_factor,
+      tool_change_s: Number(values.operations) > 1 ? values.tool_change_s : undefined,
     },
     method: values.method,
     model: values.model || undefined,
@@ -84,7 +140,11 @@ export function parametersOf(values, cutters) {
       max_slope_deg: values.max_slope_deg,
       max_uncut_share: values.max_uncut_share,
       directions_deg: values.directions_deg === undefined ? undefined : numbersOf(values.directions_deg),
-      include: values.passes_wanted === 'yes' ? ['map', 'passes'] : ['map'],
+      operations: Number(values.operations) > 1 ? { max: Number(values.operations) } : undefined,
+      rest_of: restOf(values),
+      // A file is sent once: the maps of all cutters come with it.
+      include: [isFile ? 'maps' : 'map', 'program'],
+      program: programOf(values),
     }),
   };
   // Members without a value are left out.
@@ -92,7 +152,12 @@ export function parametersOf(values, cutters) {
 }
 
 const FIELD_OF = {
-  '/scallop_height_mm': 'tolerance_of_plan',
+  '/scallop_tolerance_mm': 'tolerance_of_plan',
+  '/roughness': 'ra_um',
+  '/operations/max': 'operations',
+  '/rest_of': 'rest_of_type',
+  '/rest_of/cutter/diameter_mm': 'rest_of_diameter_mm',
+  '/rest_of/cutter/corner_radius_mm': 'rest_of_corner_radius_mm',
   '/machine': 'machine',
   '/machine/preset': 'machine',
   '/machine/feed_rate_mm_min': 'machine_feed_rate_mm_min',
@@ -109,5 +174,7 @@ export function fieldNameOf(pointer) {
   if (/^\/select\/?$/.test(pointer)) return 'select_slope_from_deg';
   if (/^\/select\/pieces/.test(pointer)) return 'pieces_selected';
   if (/^\/directions_deg/.test(pointer)) return 'directions_deg';
+  const program = /^\/program\/(\w+)/.exec(pointer);
+  if (program) return `program_${program[1]}`;
   return pointer.split('/').at(-1);
 }

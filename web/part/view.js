@@ -1,31 +1,42 @@
 // The part view: a surface, candidate cutters, a tolerance and a machine in; the ranking, times over direction and a map out.
 
 import { LineChart } from '../charts.js';
-import { copy, csvOf, curlOfForm, curlOfJson, save } from '../clipboard.js';
+import { copy, csvOf, save } from '../clipboard.js';
 import { el, fileButton } from '../dom.js';
 import { Form, placeFaults } from '../fields.js';
-import { addressOf, get, post, upload, Unreachable } from '../service.js';
-import { formatInput, formatWithUnit } from '../units.js';
-import { SERIES, headline, nameOf, notRanked, passRows, rankingRows, rankingTable, surfaceFigures } from './answer.js';
+import { get, Unreachable } from '../service.js';
+import { nameOf } from '../terms.js';
+import { arrangeTolerance, heightOf, toleranceFields } from '../tolerance.js';
+import { readLibrary } from '../tooling/library.js';
+import { formatInput, formatTime, formatWithUnit } from '../units.js';
+import { SERIES, headline, notRanked, passRows, rankingRows, rankingTable, surfaceFigures } from './answer.js';
 import { CutterTable } from './cutters.js';
-import { EXAMPLES, fileOfSurface } from './examples.js';
+import { EXAMPLES } from './examples.js';
+import { KeptPlans } from './kept.js';
 import { PartMap } from './map.js';
-import { CUTTERS, FIELDS, SELECTION, fieldNameOf, parametersOf } from './request.js';
+import { cuttersByNumber, operationKeys, severalOf } from './operations.js';
+import { CUTTERS, FIELDS, INCH_CUTTERS, PROGRAM, SELECTION, fieldNameOf, parametersOf, programOf } from './request.js';
+import { alone, compose, curlOf, send, stlOf } from './sending.js';
+import { ToleranceSlider } from './slider.js';
+import { showSheet } from './sheet.js';
+import { remedies } from './verdict.js';
 
+// What the service says when it is asked is shown in place of this.
 const FORMATS = 'STL, OBJ, PLY, PCD, 3MF, CSV, XYZ; up to 1 GB';
 const LIBRARY_FORMATS = 'Fusion .json or .tools, FreeCAD .fctb or a zip of them, CSV';
-const LIMITS = ['machine_feed_rate_mm_min', 'acceleration_m_s2', 'jerk_m_s3', 'rapid_rate_mm_min', 'max_spindle_speed_rpm', 'clearance_height_mm'];
-const METHOD = ['max_slope_deg', 'max_uncut_share', 'directions_deg', 'model', 'method'];
+const LIMITS = ['machine_feed_rate_mm_min', 'acceleration_m_s2', 'jerk_m_s3', 'rapid_rate_mm_min', 'max_spindle_speed_rpm', 'clearance_height_mm', 'path_tolerance_mm', 'time_factor', 'tool_change_s'];
+const METHOD = ['operations', 'rest_of_type', 'rest_of_diameter_mm', 'rest_of_corner_radius_mm', 'max_slope_deg', 'max_uncut_share', 'directions_deg', 'model', 'method'];
 // The chart shows the fastest cutters, each in a colour of its own.
 const CHARTED = SERIES.length;
 // These are not parameters of method rectangle.
-const OF_SURFACE_METHOD = ['pattern', 'max_slope_deg', 'max_uncut_share', 'directions_deg', 'passes_wanted'];
+const OF_SURFACE_METHOD = ['operations', 'rest_of_type', 'pattern', 'max_slope_deg', 'max_uncut_share', 'directions_deg'];
 
 export class PartView {
   name = 'part';
   #form;
   #cutters;
   #file = null;
+  // Tool libraries: {file, others} of those whose tools are in the table, {file, isSent} of those that the page cannot read.
   #libraries = [];
   #run = null;
   #last = null;
@@ -34,8 +45,13 @@ export class PartView {
   #maps = new Map();
   #mapped = null;
   #unranked = [];
+  #exampleCutters = CUTTERS;
+  #isBegun = false;
+  // What was asked of the recommended plan beside its figures: {program, options, passes}.
+  #plan = {};
   #machines = [];
-  #drop = el('label', { class: 'drop', for: 'surface-file' });
+  #formats = FORMATS;
+  #drop = el('label', { class: 'drop', for: 'surface-file' }, el('b', {}, 'Choose a file'), ' or drop it here', el('span', { class: 'muted', 'data-file': '' }, FORMATS));
   #fileInput = el('input', { type: 'file', id: 'surface-file', class: 'visually-hidden', 'aria-label': 'Surface file' });
   #libraryInput = el('input', { type: 'file', id: 'library-file', class: 'visually-hidden', multiple: true, 'aria-label': 'Tool libraries' });
   #libraryList = el('span', { class: 'muted' });
@@ -51,34 +67,53 @@ export class PartView {
   #answer = el('div', {});
   #ranking = el('div', {});
   #surface = el('div', {});
-  #passesButtons = el('span', { class: 'buttons' },
-    el('button', { type: 'button', onclick: () => save('passes.csv', csvOf(...passRows(this.#last.passes)), 'text/csv') }, 'Download passes as CSV'),
-    el('button', { type: 'button', onclick: () => this.#openPasses() }, 'Open passes as a tool path'));
+  #announced = el('p', { class: 'visually-hidden', role: 'status' });
+  #openButton = el('button', { type: 'button', onclick: () => this.#openPasses() }, 'Open passes as a tool path');
+  #planButtons = el('span', { class: 'buttons' },
+    el('button', { type: 'button', class: 'primary', onclick: () => this.#saveProgram() }, 'Download program (G-code)'),
+    el('button', { type: 'button', onclick: () => this.#checkProgram() }, 'Check the program'),
+    el('button', { type: 'button', onclick: () => this.#kept.keep(this.#presentPlan) }, 'Keep this plan'),
+    el('button', { type: 'button', onclick: () => this.#showSheet() }, 'Setup sheet'),
+    el('button', { type: 'button', onclick: () => this.#savePasses() }, 'Download passes as CSV'),
+    this.#openButton);
+  #kept = new KeptPlans((plan) => {
+    this.#mapped = null;
+    this.#map.show(plan.map.map, { ...plan.map.shown, caption: `Kept: ${plan.map.shown.caption}` });
+    this.#showAnswer();
+    this.#cards.map.hidden = false;
+  });
+  #slider = new ToleranceSlider((tolerance) => {
+    this.#form.field('tolerance_of_plan').set(tolerance);
+    this.#changed();
+    this.ask({ isOwn: true });
+  });
   #map = new PartMap((box) => this.#selectBox(box));
   #times = new LineChart('Machining time over direction', { height: 290, onPick: (index) => this.#takeDirection(index) });
   // The directions of the chart's points.
   #directions = [];
   #onChange;
   #showPath;
+  #onAsk;
   // The cards of the results.
   #cards;
   #groups = {};
 
-  /** `showPath(text, cutter)` shows a table of contacts in the tool path view. */
-  constructor(onChange, showPath) {
+  /** `showPath(text, cutter)` shows a table of contacts in the tool path view; `onAsk` is called when an answer is shown. */
+  constructor(onChange, showPath, onAsk) {
     this.#showPath = showPath;
     this.#onChange = onChange;
+    this.#onAsk = onAsk;
     this.#form = new Form(FIELDS, (field) => {
       if (field.name === 'machine') this.#showPreset();
       this.#arrange();
-      this.#changed();
+      if (PROGRAM.includes(field.name)) this.#onChange();
+      else this.#changed();
     });
     this.#cutters = new CutterTable(() => this.#changed(), () => this.ask());
-    this.#cutters.take(CUTTERS);
+    this.#cutters.take(this.#exampleCutters, 'example');
     this.element = el('section', { class: 'view', id: 'view-part', 'aria-label': 'Part' }, this.#panel(), this.#output());
     this.#fileInput.addEventListener('change', () => this.#choose(this.#fileInput.files[0]));
     this.#libraryInput.addEventListener('change', () => this.#addLibraries(this.#libraryInput.files));
-    this.#acceptDrops();
     this.#arrange();
     this.#addLibraries([]);
   }
@@ -86,7 +121,8 @@ export class PartView {
   /** Loads the data that the view needs first: the machines. */
   async start() {
     try {
-      const { answer } = await get('v1/machines');
+      const [{ answer }, { answer: about }] = await Promise.all([get('v1/machines'), get('v1/about')]);
+      if (about) this.#showFormats(about);
       if (!answer) return;
       this.#machines = answer.machines;
       this.#form.field('machine').offer([...answer.machines.map(({ name, description }) => [name, description]), ['', 'Own values']]);
@@ -94,6 +130,12 @@ export class PartView {
     } catch (error) {
       if (!(error instanceof Unreachable)) throw error;
     }
+  }
+
+  // The formats and the limit of the service.
+  #showFormats({ surface_formats: surfaces, limits }) {
+    this.#formats = `${surfaces.map((format) => format.toUpperCase()).join(', ')}; up to ${Number((limits.upload_bytes / 2 ** 30).toPrecision(2))} GB, ${limits.facets.toLocaleString('en')} facets kept`;
+    if (!this.#file) this.#drop.querySelector('[data-file]').textContent = this.#formats;
   }
 
   #panel() {
@@ -113,11 +155,15 @@ export class PartView {
       el('h2', {}, 'Part'), form.element('example'), this.#fileInput, this.#drop, this.#fileFault,
       el('div', { class: 'grid' }, form.elements('unit', 'facing')),
       group('selection', 'Machine only a part of it', SELECTION),
-      el('h2', {}, 'Finish'), el('div', { class: 'grid' }, form.elements('tolerance_of_plan', 'pattern', 'passes_wanted')),
+      el('h2', {}, 'Finish'), el('div', { class: 'grid' }, form.elements(...toleranceFields('tolerance_of_plan'), 'pattern')), this.#slider.element,
       group('method', 'Method and limits', METHOD),
       el('h2', {}, 'Machine'), form.element('machine'),
       group('limits', 'Limits of the machine', LIMITS),
-      el('div', { class: 'actions' }, this.#go, copyButton, linkButton), this.#progressBox,
+      group('program', 'Program', PROGRAM),
+      el('div', { class: 'actions' }, this.#go, copyButton, linkButton, el('button', { type: 'button', onclick: () => {
+        this.take({});
+        this.#changed();
+      } }, 'Reset')), this.#progressBox,
     );
   }
 
@@ -126,12 +172,12 @@ export class PartView {
     const downloads = el('div', { class: 'actions' },
       el('button', { type: 'button', onclick: () => save('recommendation.json', `${JSON.stringify(this.#last, null, 1)}\n`, 'application/json') }, 'Download JSON'),
       el('button', { type: 'button', onclick: () => save('ranking.csv', csvOf(...rankingRows(this.#last)), 'text/csv') }, 'Download CSV'),
-      this.#passesButtons);
+      this.#planButtons);
     this.#hint.append(el('h2', {}, 'What comes out'), el('p', {}, 'The fastest cutter and direction for the part, the other cutters ranked behind it with what each leaves, the machining time over every direction, and the part from above with its scallops.'), el('p', { class: 'muted' }, 'Choose a surface, or stay with the example, and find the cutter.'));
     const card = (label, ...children) => el('section', { class: 'card', 'aria-label': label, hidden: true }, ...children);
     this.#cards = {
       ranking: card('Recommendation', this.#answer, this.#ranking, downloads),
-      map: card('Map', el('h2', {}, 'The part from above'), this.#map.element),
+      map: card('Map', el('h2', {}, 'The part'), this.#map.element),
       times: card('Times', this.#times.element, el('p', { class: 'muted' }, 'Click a direction to plan in it alone.')),
       surface: card('Surface', el('h2', {}, 'Surface'), this.#surface),
     };
@@ -142,7 +188,8 @@ export class PartView {
       el('section', { class: 'card' }, el('h2', {}, 'Cutters'), this.#cutters.element, library, this.#libraryFault),
       this.#message,
       this.#hint,
-      el('div', { class: 'part-results' }, this.#stale, ranking, el('div', { class: 'columns' }, map, el('div', { class: 'stack' }, times, surface))),
+      this.#announced,
+      el('div', { class: 'part-results' }, this.#stale, ranking, this.#kept.element, el('div', { class: 'columns' }, map, el('div', { class: 'stack' }, times, surface))),
     );
   }
 
@@ -152,46 +199,38 @@ export class PartView {
     this.#onChange();
   }
 
-  #acceptDrops() {
-    this.#drop.append(el('b', {}, 'Choose a file'), ' or drop it here', el('span', { class: 'muted', 'data-file': '' }, FORMATS));
-    this.element.addEventListener('dragover', (event) => {
-      event.preventDefault();
-      this.#drop.classList.add('over');
-    });
-    this.element.addEventListener('dragleave', () => this.#drop.classList.remove('over'));
-    this.element.addEventListener('drop', (event) => {
-      event.preventDefault();
-      this.#drop.classList.remove('over');
-      const { files } = event.dataTransfer;
-      // A Fusion or FreeCAD library is detected by its name; other files are sent as the part on which they were dropped.
-      const areLibraries = event.target.closest('.card') || [...files].every(({ name }) => /\.(json|tools|fctb)$/i.test(name));
-      if (areLibraries) this.#addLibraries(files);
-      else if (files[0]) this.#choose(files[0]);
-    });
-  }
-
   #choose(file) {
     this.#file = file ?? null;
     this.#fileFault.hidden = true;
     if (file) this.#form.field('example').set('file');
-    this.#drop.querySelector('[data-file]').textContent = file ? `${file.name}, ${(file.size / 1e6).toPrecision(3)} MB` : FORMATS;
+    this.#drop.querySelector('[data-file]').textContent = file ? `${file.name}, ${(file.size / 1e6).toPrecision(3)} MB` : this.#formats;
     this.#changed();
     this.#arrange();
   }
 
-  #addLibraries(files) {
-    this.#libraries.push(...files);
+  async #addLibraries(files) {
     this.#libraryFault.hidden = true;
-    if (files.length > 0) this.#changed();
-    const remove = (index) => {
-      this.#libraries.splice(index, 1);
-      this.#changed();
-      this.#addLibraries([]);
-    };
-    const chips = this.#libraries.map((file, i) => el('span', { class: 'chip' }, file.name, el('button', { type: 'button', class: 'quiet', 'aria-label': `Remove ${file.name}`, onclick: () => remove(i) }, '×')));
-    this.#libraryList.replaceChildren(...(chips.length > 0 ? chips : [LIBRARY_FORMATS]));
+    for (const file of [...files]) {
+      const read = await readLibrary(file);
+      this.#libraries.push({ file, isSent: !read, others: read?.others ?? [] });
+      if (read) this.#cutters.addTools(read.tools, file.name);
+    }
     // The same file may be chosen again after it was removed.
     this.#libraryInput.value = '';
+    if (files.length > 0) this.#changed();
+    this.#showLibraries();
+  }
+
+  #showLibraries() {
+    const remove = (library) => {
+      this.#libraries = this.#libraries.filter((each) => each !== library);
+      this.#cutters.removeTools(library.file.name);
+      this.#changed();
+      this.#showLibraries();
+    };
+    const about = ({ isSent, others }) => [isSent && 'sent as it is', others.length > 0 && `no finishing cutters: ${others.map(([kind, count]) => `${count} ${kind}`).join(', ')}`].filter(Boolean).join('; ');
+    const chips = this.#libraries.map((library) => el('span', { class: 'chip' }, library.file.name, about(library) && el('span', { class: 'muted' }, ` (${about(library)})`), el('button', { type: 'button', class: 'quiet', 'aria-label': `Remove ${library.file.name}`, onclick: () => remove(library) }, '×')));
+    this.#libraryList.replaceChildren(...(chips.length > 0 ? chips : [LIBRARY_FORMATS]));
   }
 
   // A box that was dragged over the map becomes the selection.
@@ -213,15 +252,68 @@ export class PartView {
     this.#changed();
   }
 
-  // The recommended cutter is passed on with its passes, as far as the page knows it. Without teeth and speed the step-over takes up the whole
-  // scallop height, so that heights without feed are of interest; with them the largest feed is.
-  #openPasses() {
-    const { recommended, passes, model } = this.#last;
-    const { cutters, scallop_height_mm: tolerance } = this.#request.parameters;
-    const { type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm } = cutters?.[recommended.cutter] ?? {};
-    const question = passes.feed_per_tooth_mm ? { question: 'feed' } : { question: 'height', feed_per_tooth_mm: 0 };
-    const known = Object.entries({ type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm, scallop_tolerance_mm: tolerance, model, ...question });
-    return this.#showPath(csvOf(...passRows(passes)), Object.fromEntries(known.filter(([, value]) => value !== undefined)));
+  // The recommended plan with a further part of the answer, `member`: asked for once, for its cutter alone where the page knows it.
+  async #planWith(member, options) {
+    const plan = this.#plan;
+    if (plan[member] && JSON.stringify(plan.options) === JSON.stringify(options)) return plan[member];
+    const { candidates, recommended } = this.#last;
+    const changes = { include: [member], program: member === 'program' ? options : undefined };
+    const single = severalOf(this.#last) ? null : alone(this.#request, candidates.find(({ cutter }) => cutter === recommended.cutter), changes);
+    const request = single ?? { ...this.#request, parameters: { ...this.#request.parameters, ...changes } };
+    const result = await this.#while((signal) => this.#send({ ...request, parameters: JSON.parse(JSON.stringify(request.parameters)) }, signal));
+    if (result?.problem) this.#showProblem(result.problem);
+    if (!result?.answer) return null;
+    plan[member] = result.answer[member];
+    if (member === 'program') plan.options = options;
+    return plan[member];
+  }
+
+  get #programName() {
+    const { recommended } = this.#last;
+    const several = severalOf(this.#last);
+    if (several) return `plan-${several.operations.length}-operations.nc`;
+    return `${nameOf(recommended)}-${Math.round(recommended.direction_deg)}deg.nc`.replaceAll(/[^\w.-]+/g, '_');
+  }
+
+  async #saveProgram() {
+    this.#clearFaults();
+    const program = await this.#planWith('program', programOf(this.#form.values()));
+    if (program) save(this.#programName, program.text, 'text/plain');
+  }
+
+  // The program is checked against its part in the tool path view.
+  #checkProgram() {
+    const { parameters, file } = this.#request;
+    const { select, max_slope_deg: maxSlope, machine } = parameters;
+    const several = severalOf(this.#last);
+    const cutters = several ? cuttersByNumber(several, this.#plan.program.text, parameters.cutters ?? []) : undefined;
+    const { example, unit, facing } = this.#form.values();
+    const { name: _name, flute_length_mm: _flutes, ...cutter } = parameters.cutters?.[this.#last.recommended.cutter] ?? {};
+    return this.#showPath({ check: {
+      program: new File([this.#plan.program.text], this.#programName),
+      text: this.#plan.program.text,
+      surface: example === 'file' ? file : null,
+      values: { example, unit, facing, teeth: undefined, spindle_speed_rpm: undefined, max_feed_per_tooth_mm: undefined, ...cutter, tip: 'lowest_point', scallop_tolerance_mm: heightOf(parameters), machine: machine.preset ?? '', machine_feed_rate_mm_min: machine.feed_rate_mm_min, path_tolerance_mm: machine.path_tolerance_mm },
+      given: { select, max_slope_deg: maxSlope, machine, cutters },
+    } });
+  }
+
+  async #savePasses() {
+    const passes = await this.#planWith('passes', this.#plan.options);
+    if (passes) save('passes.csv', csvOf(...passRows(passes)), 'text/csv');
+  }
+
+  // The recommended cutter is passed on with its passes. Without teeth and speed the step-over takes up the whole tolerance, so that heights
+  // without feed are of interest; with them the largest feed is.
+  async #openPasses() {
+    const passes = await this.#planWith('passes', this.#plan.options);
+    if (!passes) return null;
+    const { recommended, model } = this.#last;
+    const { cutters, machine } = this.#request.parameters;
+    const { type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm, max_feed_per_tooth_mm } = cutters?.[recommended.cutter] ?? {};
+    const feed = passes.feed_per_tooth_mm;
+    const machineRate = machine.feed_rate_mm_min ?? this.#machines.find(({ name }) => name === machine.preset)?.feed_rate_mm_min;
+    return this.#showPath(csvOf(...passRows(passes)), { type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm, max_feed_per_tooth_mm, scallop_tolerance_mm: heightOf(this.#request.parameters), model, max_feed_rate_mm_min: machineRate, question: feed ? 'feed' : 'height', feed_per_tooth_mm: feed ? undefined : 0 });
   }
 
   // The values of the preset are shown in the fields as hints; a stated value overrides its hint.
@@ -241,9 +333,14 @@ export class PartView {
     this.#form.element('facing').hidden = !isFile;
     this.#drop.classList.toggle('unused', !isFile);
     for (const name of OF_SURFACE_METHOD) this.#form.element(name).hidden = values.method !== 'surface';
+    arrangeTolerance(this.#form, 'tolerance_of_plan');
+    const hasRest = values.method === 'surface' && values.rest_of_type !== '';
+    this.#form.element('rest_of_diameter_mm').hidden = !hasRest;
+    this.#form.element('rest_of_corner_radius_mm').hidden = !hasRest || values.rest_of_type !== 'toroidal';
+    this.#form.element('tool_change_s').hidden = values.method !== 'surface' || values.operations === '1';
     // A closed group shows how many of its fields have a value.
     const defaults = Object.fromEntries(FIELDS.map(({ name, value }) => [name, value]));
-    for (const [group, fields] of [['selection', SELECTION], ['method', METHOD], ['limits', LIMITS]]) {
+    for (const [group, fields] of [['selection', SELECTION], ['method', METHOD], ['limits', LIMITS], ['program', PROGRAM]]) {
       const stated = fields.filter((name) => values[name] !== defaults[name]).length;
       const badge = this.#groups[group].querySelector('.badge');
       badge.hidden = stated === 0;
@@ -251,15 +348,30 @@ export class PartView {
     }
   }
 
-  values() {
-    return { ...this.#form.values(), cutters: this.#cutters.cutters() };
+  state() {
+    return { ...this.#form.state(), cutters: this.#cutters.cutters() };
+  }
+
+  useUnits(isInch) {
+    this.#form.useUnits(isInch, this.#last === null);
+    this.#exampleCutters = isInch ? INCH_CUTTERS : CUTTERS;
+    if (this.#cutters.areExamples && this.#last === null) this.#cutters.take(this.#exampleCutters, 'example');
   }
 
   take({ cutters, ...values }) {
-    this.#form.take({ ...Object.fromEntries(FIELDS.filter(({ choices }) => choices).map(({ name, value }) => [name, value])), ...values });
-    this.#cutters.take(Array.isArray(cutters) ? cutters : CUTTERS);
+    this.#isBegun = true;
+    const unknown = this.#form.take(values);
+    if (Array.isArray(cutters)) this.#cutters.take(cutters);
+    else this.#cutters.take(this.#exampleCutters, 'example');
     this.#showPreset();
     this.#arrange();
+    this.#stale.hidden = this.#last === null;
+    return unknown;
+  }
+
+  takeFiles(kind, files) {
+    this.#isBegun = true;
+    return kind === 'library' ? this.#addLibraries(files) : this.#choose(files[0]);
   }
 
   show() {
@@ -270,44 +382,34 @@ export class PartView {
   }
 
   async #copyCurl(button) {
-    const { parameters, surface, file, libraries } = await this.#compose();
-    if (surface && libraries.length === 0) return copy(curlOfJson(addressOf('v1/cutter-recommendation'), { surface, ...parameters }), button);
-    const parts = [['surface', { file: file?.name ?? 'part.stl' }], ['parameters', JSON.stringify(parameters)], ...libraries.map(({ name }) => ['library', { file: name }])];
-    return copy(curlOfForm(addressOf('v1/cutter-recommendation/upload'), parts), button);
+    return copy(curlOf(await this.#compose()), button);
   }
 
-  // The parts of the last request, kept for the maps of other cutters.
-  async #compose() {
+  #compose() {
     const values = this.#form.values();
-    const example = EXAMPLES.find(([name]) => name === values.example);
-    const surface = example ? await example[2]() : null;
-    const libraries = [...this.#libraries];
-    const file = surface && libraries.length > 0 ? fileOfSurface(surface, example[0]) : this.#file;
-    return { parameters: parametersOf(values, this.#cutters.cutters()), surface, file, libraries };
+    const sent = this.#libraries.filter(({ isSent }) => isSent).map(({ file }) => file);
+    return compose(parametersOf(values, this.#cutters.cutters()), EXAMPLES.find(([name]) => name === values.example), this.#file, sent);
   }
 
-  #send({ parameters, surface, file, libraries }, signal) {
-    if (surface && libraries.length === 0) {
-      this.#working('Computing…');
-      return post('v1/cutter-recommendation', { surface, ...parameters }, signal);
-    }
-    const form = new FormData();
-    form.append('parameters', new Blob([JSON.stringify(parameters)], { type: 'application/json' }));
-    for (const library of libraries) form.append('library', library);
-    form.append('surface', file);
-    return upload('v1/cutter-recommendation/upload', form, (share) => {
-      this.#progress.value = share;
-      if (share < 1) this.#progressText.textContent = `${Math.floor(share * 100)} % sent`;
-      else this.#working('Computing…');
-    }, signal);
+  #send(request, signal) {
+    const onProgress = (share) => {
+      if (share < 1) this.#progress.value = share;
+      else this.#progress.removeAttribute('value');
+      this.#progressText.textContent = share < 1 ? `${Math.floor(share * 100)} % sent` : 'Computing…';
+    };
+    return send(request, onProgress, signal);
   }
 
-  #working(text) {
-    this.#progress.removeAttribute('value');
-    this.#progressText.textContent = text;
+  /** Computes the example once, so that the first view of a part shows what comes out. */
+  begin() {
+    if (this.#isBegun) return;
+    this.#isBegun = true;
+    if (!this.#file && this.#libraries.length === 0) this.ask({ isOwn: true });
   }
 
-  async ask() {
+  /** Asks for the recommendation; `isOwn` if the page asks by itself. */
+  async ask({ isOwn = false } = {}) {
+    this.#isBegun = true;
     this.#clearFaults();
     if (this.#form.value('example') === 'file' && !this.#file) {
       this.#fault(this.#fileFault, 'Choose a surface file, or one of the examples.');
@@ -315,9 +417,13 @@ export class PartView {
       return;
     }
     const request = await this.#compose();
+    this.#cutters.markSent();
+    const begun = performance.now();
     const result = await this.#while((signal) => this.#send(request, signal));
     if (!result) return;
+    this.#slider.show(request.parameters.scallop_tolerance_mm ?? 0, performance.now() - begun);
     [this.#request, this.#last, this.#mapped] = [request, result.answer ?? null, null];
+    this.#plan = { program: this.#last?.program, options: request.parameters.program };
     this.#maps.clear();
     this.#stale.hidden = true;
     this.#hint.hidden = true;
@@ -325,12 +431,15 @@ export class PartView {
     if (result.problem) {
       this.#showProblem(result.problem);
     } else if (result.answer.map) {
-      this.#keepMap(result.answer.recommended.cutter, result.answer);
+      this.#keepMaps(result.answer);
+      this.#showMap(result.answer.recommended.cutter);
     }
     this.#showAnswer();
+    this.#announce();
+    if (!isOwn) this.#onAsk();
     // On a narrow screen the answer is far below the button.
     const shown = this.#last ? this.#cards.ranking : this.#message;
-    if (shown.getBoundingClientRect().top > innerHeight - 120) shown.scrollIntoView();
+    if (!isOwn && shown.getBoundingClientRect().top > innerHeight - 120) shown.scrollIntoView();
   }
 
   // Runs a request with the progress shown and the button off.
@@ -340,7 +449,6 @@ export class PartView {
     this.#progress.value = 0;
     this.#progressText.textContent = '';
     this.#progressBox.hidden = false;
-    this.#go.disabled = true;
     try {
       return await request(run.signal);
     } catch (error) {
@@ -348,15 +456,13 @@ export class PartView {
       else if (error.name !== 'AbortError') throw error;
       return null;
     } finally {
-      if (this.#run === run) {
-        this.#progressBox.hidden = true;
-        this.#go.disabled = false;
-      }
+      if (this.#run === run) this.#progressBox.hidden = true;
     }
   }
 
   #clearFaults() {
     this.#form.clearFaults();
+    this.#form.markTexts();
     this.#cutters.clearFaults();
     for (const element of [this.#fileFault, this.#libraryFault, this.#message]) element.hidden = true;
   }
@@ -375,6 +481,7 @@ export class PartView {
     if (problem.not_ranked) {
       // The list of reasons follows.
       this.#tell(`${problem.title}.`);
+      this.#message.append(remedies(problem, this.#request.parameters, (change) => this.#remedy(change)) ?? '');
       return;
     }
     const inFiles = (pointer) => (/^\/surface/.test(pointer) ? this.#fileFault : /^\/library/.test(pointer) ? this.#libraryFault : null);
@@ -388,6 +495,37 @@ export class PartView {
     const elsewhere = placeFaults({ ...problem, errors: rest }, (pointer) => this.#cutters.field(pointer) ?? this.#form.field(fieldNameOf(pointer)));
     this.element.querySelector('[aria-invalid]')?.focus();
     if (elsewhere.length > 0) this.#tell(`${problem.title}.`, ...elsewhere);
+    this.#offerWithout(rest);
+  }
+
+  // Where all faults are faults of some cutters, the others can be ranked.
+  #offerWithout(errors) {
+    const faulty = [...new Set(errors.map(({ pointer }) => Number(/^\/cutters\/(\d+)/.exec(pointer)?.[1])))];
+    const count = this.#request?.parameters.cutters?.length ?? 0;
+    if (faulty.length === 0 || faulty.some(Number.isNaN) || faulty.length >= count) return;
+    if (this.#message.hidden) this.#tell(`${faulty.length === 1 ? 'One cutter has' : `${faulty.length} cutters have`} a fault.`);
+    this.#message.append(el('div', { class: 'actions' }, el('button', { type: 'button', onclick: () => {
+      this.#cutters.untick(faulty);
+      this.ask();
+    } }, 'Rank the others')));
+  }
+
+  // A remedy becomes a value of the form or a further cutter, and the question is asked again.
+  #remedy({ max_uncut_share: share, cutter }) {
+    if (share !== undefined) {
+      this.#form.field('max_uncut_share').set(share);
+      this.#groups.method.open = true;
+    }
+    if (cutter) this.#cutters.add(cutter);
+    this.#arrange();
+    this.#changed();
+    return this.ask();
+  }
+
+  // The result in a sentence, for who does not see it appear.
+  #announce() {
+    const { recommended, candidates } = this.#last ?? {};
+    this.#announced.textContent = recommended ? `${candidates.length} cutters ranked: ${nameOf(candidates[0])} comes first with ${formatTime(recommended.machining_time_s)}.` : '';
   }
 
   #showAnswer() {
@@ -398,49 +536,104 @@ export class PartView {
     const mapFor = (cutter) => (this.#canMap(cutter) ? () => this.#mapOf(cutter) : null);
     const unranked = notRanked(this.#unranked, this.#mapped, mapFor);
     if (answer) {
-      this.#answer.replaceChildren(headline(answer));
+      this.#answer.replaceChildren(headline(answer, this.#request.parameters));
       this.#ranking.replaceChildren(rankingTable(answer, this.#mapped, mapFor), unranked ?? '');
       this.#surface.replaceChildren(surfaceFigures(answer));
-      this.#passesButtons.hidden = !answer.passes;
+      this.#planButtons.hidden = !answer.program;
+      this.#openButton.hidden = severalOf(answer) !== null;
       this.#drawTimes();
     } else if (unranked) {
-      this.#message.replaceChildren(this.#message.firstChild, unranked);
+      this.#message.querySelector('.not-ranked')?.remove();
+      this.#message.append(unranked);
     }
     if (this.#mapped !== null) this.#map.draw();
+    this.#kept.show(this.#presentPlan);
   }
 
-  #keepMap(cutter, answer, layer) {
-    const candidate = answer.candidates[0];
-    const named = { ...candidate, cutter };
-    const direction = formatWithUnit(candidate.direction_deg, 'angle');
-    const uncut = candidate.uncut_share > 0 ? `, ${formatWithUnit(candidate.uncut_share, 'share')} uncut` : '';
-    const { parameters } = this.#request;
-    const box = parameters.select?.box_mm;
-    const shown = { tolerance: parameters.scallop_height_mm, direction: candidate.direction_deg, passes: answer.passes, box, layer, caption: `${nameOf(named)} at ${direction}${uncut}${answer.passes ? ', with its passes' : ''}.` };
-    this.#maps.set(cutter, { map: answer.map, shown });
+  // The recommended plan as it is kept and compared; null without an answer.
+  get #presentPlan() {
+    if (!this.#last) return null;
+    const { recommended, candidates } = this.#last;
+    // The same object as long as it is the same answer.
+    if (this.#plan.answer !== this.#last) {
+      const single = candidates.find(({ cutter }) => cutter === recommended.cutter);
+      const several = severalOf(this.#last);
+      const candidate = several ? { name: `${several.operations.length} operations`, type: single.type, cutter: single.cutter, feed: single.feed, ...several } : single;
+      Object.assign(this.#plan, { answer: this.#last, kept: { parameters: this.#request.parameters, candidate, map: this.#maps.get(recommended.cutter) } });
+    }
+    return this.#plan.kept;
+  }
+
+  #showSheet() {
+    const { candidate, parameters, map } = this.#presentPlan;
+    const { example } = this.#form.values();
+    const part = this.#request.surface ? EXAMPLES.find(([name]) => name === example)?.[1] : this.#request.file?.name;
+    if (map) this.#map.show(map.map, map.shown);
+    const machine = this.#machines.find(({ name }) => name === parameters.machine.preset)?.description ?? 'own values';
+    showSheet({ part: part ?? 'example', answer: this.#last, candidate, cutter: parameters.cutters?.[candidate.cutter] ?? {}, parameters, machine, drawing: map && this.#map.image(), program: this.#plan.program?.text });
+  }
+
+  // The maps of an answer, by the cutter's number; that of a plan of several operations stands under the recommended cutter's.
+  #keepMaps(answer) {
+    const { map, maps = [], candidates, not_ranked: others = [], recommended } = answer;
+    const ofAll = [...candidates, ...others];
+    for (const { cutter, uncut_mm } of maps) this.#keepMap(ofAll.find((each) => each.cutter === cutter), { ...map, scallop_height_mm: undefined, uncut_mm });
+    const several = severalOf(answer);
+    this.#keepMap(candidates.find(({ cutter }) => cutter === recommended.cutter), map, { program: answer.program?.text, several });
+  }
+
+  #keepMap(named, map, { program, several } = {}) {
+    const { cutter, direction_deg: direction, uncut_share: share, machining_time_s: time } = named;
+    const { parameters, file } = this.#request;
+    const uncut = share > 0 ? `, ${formatWithUnit(share, 'share')} uncut` : '';
+    const plan = several ? `${several.operations.length} operations` : `${nameOf(named)}${direction === undefined ? '' : ` at ${formatWithUnit(direction, 'angle')}`}${uncut}`;
+    const isPlan = map.scallop_height_mm !== undefined;
+    const caption = isPlan ? `${plan}.` : `${nameOf(named)}${uncut}: where it does not fit.`;
+    const shown = {
+      tolerance: heightOf(parameters), direction: several ? undefined : direction, program, operations: several ? operationKeys(several) : undefined, cutter: parameters.cutters?.[cutter],
+      file: stlOf(file, parameters.unit), box: parameters.select?.box_mm, layer: time === undefined || !isPlan ? 'uncut_mm' : undefined, caption,
+      more: isPlan || time === undefined || !parameters.cutters?.[cutter] ? undefined : ['Show its plan, which sends the part again', () => this.#planOf(named)],
+    };
+    this.#maps.set(cutter, { map, shown });
+  }
+
+  #showMap(cutter) {
+    const { map, shown } = this.#maps.get(cutter);
     this.#mapped = cutter;
-    this.#map.show(answer.map, shown);
+    this.#map.show(map, shown);
   }
 
-  // A cutter of a library cannot be requested alone, because the page does not know its dimensions.
+  // A cutter of a library that the page cannot read cannot be requested alone.
   #canMap({ cutter }) {
     return this.#maps.has(cutter) || (this.#request.parameters.method === 'surface' && cutter < (this.#request.parameters.cutters?.length ?? 0));
   }
 
-  // The map of another cutter: the same request with this cutter alone, in its direction, with any uncut share allowed.
-  async #mapOf({ cutter, direction_deg: direction, machining_time_s: time }) {
-    const kept = this.#maps.get(cutter);
-    if (kept) {
-      this.#mapped = cutter;
-      this.#map.show(kept.map, kept.shown);
-    } else {
-      const { parameters } = this.#request;
-      const alone = { ...parameters, cutters: [parameters.cutters[cutter]], max_uncut_share: 1, ...(direction !== undefined && { directions_deg: [direction] }) };
-      const result = await this.#while((signal) => this.#send({ ...this.#request, libraries: [], parameters: alone }, signal));
-      if (!result) return;
-      if (result.problem) this.#showProblem(result.problem);
-      else this.#keepMap(cutter, result.answer, time === undefined ? 'uncut_mm' : undefined);
+  // The map of another cutter. Those of a file's cutters have come with its answer, if there is one; where there is none, all come with one more
+  // request, in which any share may be uncut. An example is asked for again.
+  async #mapOf(named) {
+    const { parameters } = this.#request;
+    if (!this.#maps.has(named.cutter)) {
+      if (!parameters.include.includes('maps') || this.#last) return this.#planOf(named);
+      const result = await this.#while((signal) => this.#send({ ...this.#request, parameters: { ...parameters, max_uncut_share: 1 } }, signal));
+      if (result?.problem) this.#showProblem(result.problem);
+      if (result?.answer) this.#keepMaps(result.answer);
     }
+    return this.#showMapped(named.cutter);
+  }
+
+  // The plan of another cutter: the same request with this cutter alone, in its direction, with any uncut share allowed.
+  async #planOf(named) {
+    const result = await this.#while((signal) => this.#send(alone(this.#request, named, { max_uncut_share: 1, include: ['map'] }), signal));
+    if (result?.problem) this.#showProblem(result.problem);
+    if (result?.answer) {
+      const [plan] = result.answer.candidates;
+      this.#keepMap({ ...plan, ...named, direction_deg: plan.direction_deg, machining_time_s: named.machining_time_s }, result.answer.map);
+    }
+    return this.#showMapped(named.cutter);
+  }
+
+  #showMapped(cutter) {
+    if (this.#maps.has(cutter)) this.#showMap(cutter);
     this.#showAnswer();
     this.#cards.map.scrollIntoView({ block: 'nearest' });
   }

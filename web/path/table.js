@@ -8,7 +8,7 @@ const ALIASES = {
   x_mm: 'x', y_mm: 'y', z_mm: 'z', normal_x: 'nx', normal_y: 'ny', normal_z: 'nz', feed_x: 'fx', feed_y: 'fy', feed_z: 'fz',
   i: 'nx', j: 'ny', k: 'nz', step_over: 'step_over_mm', stepover: 'step_over_mm', radius: 'surface_radius_mm',
 };
-const USED = new Set(['slope_deg', 'feed_angle_deg', 'x', 'y', 'z', 'nx', 'ny', 'nz', 'fx', 'fy', 'fz', 'run', 'step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', 'surface_radius_mm', 'along_per_mm', 'across_per_mm', 'twist_per_mm']);
+const USED = new Set(['slope_deg', 'feed_angle_deg', 'x', 'y', 'z', 'nx', 'ny', 'nz', 'fx', 'fy', 'fz', 'run', 'step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', 'surface_radius_mm', 'along_per_mm', 'across_per_mm', 'twist_per_mm', 'feed_rate_mm_min']);
 
 /** A fault of a table, described for people. */
 export class TableFault extends Error {}
@@ -64,13 +64,16 @@ export async function readTable(text) {
 }
 
 /**
- * The contacts as the service's columns, and the distance along the path where the table has positions. Without feed vectors the feed runs
- * from each position to the next of its run.
+ * The contacts as the service's columns, `rows` with the index of each contact's row, and the distance along the path where the table has
+ * positions. A row whose normal is empty is a move off the surface, not a contact. Without feed vectors the feed runs from each position to
+ * the next of its run.
  */
 export function contactsOf({ columns, lines }) {
   const count = lines.length;
   const has = (...names) => names.every((name) => columns[name]);
   const contacts = {};
+  const isOff = has('nx', 'ny', 'nz') ? (i) => columns.nx[i] === null && columns.ny[i] === null && columns.nz[i] === null : () => false;
+  const rows = Array.from({ length: count }, (_, i) => i).filter((i) => !isOff(i));
   const positions = has('x', 'y', 'z') ? columns.x.map((x, i) => (x === null ? null : [x, columns.y[i], columns.z[i]])) : null;
   if (has('slope_deg', 'feed_angle_deg')) Object.assign(contacts, { slope_deg: columns.slope_deg, feed_angle_deg: columns.feed_angle_deg });
   else if (has('nx', 'ny', 'nz') && (has('fx', 'fy', 'fz') || positions)) {
@@ -82,7 +85,8 @@ export function contactsOf({ columns, lines }) {
   for (const name of ['step_over_mm', 'step_over_xy_mm', 'feed_per_tooth_mm', 'surface_radius_mm']) if (has(name)) contacts[name] = columns[name];
   const curvature = ['along_per_mm', 'across_per_mm', 'twist_per_mm'].filter((name) => has(name));
   if (curvature.length > 0) contacts.surface_curvature = Object.fromEntries(curvature.map((name) => [name, columns[name]]));
-  return { contacts, distance: positions && distances(positions, columns.run), count };
+  const selected = (column) => (Array.isArray(column) ? rows.map((i) => column[i]) : Object.fromEntries(Object.entries(column).map(([name, inner]) => [name, selected(inner)])));
+  return { contacts: rows.length < count ? selected(contacts) : contacts, rows, distance: positions && distances(positions, columns.run), count };
 }
 
 const vectors = (columns, names) => columns[names[0]].map((_, i) => {
@@ -90,12 +94,18 @@ const vectors = (columns, names) => columns[names[0]].map((_, i) => {
   return found.includes(null) ? null : found;
 });
 
+// From each position to the next of its run at another place; at the end of a run from the one before.
 function feedsOf(positions, runs) {
-  return positions.map((here, i) => {
-    const together = (j) => positions[j] && here && (!runs || runs[j] === runs[i]);
-    const [from, to] = together(i + 1) ? [here, positions[i + 1]] : together(i - 1) ? [positions[i - 1], here] : [];
-    return from ? to.map((part, axis) => part - from[axis]) : null;
-  });
+  const feeds = positions.map(() => null);
+  let next = null;
+  for (let i = positions.length - 1; i >= 0; i -= 1) {
+    const [here, after] = [positions[i], positions[i + 1]];
+    if (!here || !after || (runs && runs[i] !== runs[i + 1])) next = null;
+    else if (here.some((part, axis) => part !== after[axis])) next = after.map((part, axis) => part - here[axis]);
+    feeds[i] = next;
+  }
+  for (let i = 1; i < positions.length; i += 1) if (feeds[i] === null && positions[i] && (!runs || runs[i] === runs[i - 1])) feeds[i] = feeds[i - 1];
+  return feeds;
 }
 
 // Distances along the path; links between runs are not counted.
@@ -108,10 +118,15 @@ function distances(positions, runs) {
   });
 }
 
-/** The table with columns of the answer added, with its own separator and its original lines. */
-export function withColumns({ headerLine, separator, lines, decimalComma }, added) {
+// Six digits: more than any figure of milling is worth.
+const digits = (value) => (typeof value === 'number' ? String(Number(value.toPrecision(6))) : String(value));
+
+/** The table with columns of the answer added, with its own separator and its original lines. A name that the table has gets a prefix. */
+export function withColumns({ header, headerLine, separator, lines, decimalComma }, added) {
   const names = Object.keys(added);
-  const number = (value) => (value === null || value === undefined ? '' : decimalComma && separator === ';' && lines[0].includes(',') ? String(value).replace('.', ',') : String(value));
+  const taken = new Set(header.map((name) => name.toLowerCase()));
+  const unused = (name) => (taken.has(name) ? unused(`answer_${name}`) : name);
+  const number = (value) => (value === null || value === undefined ? '' : decimalComma && separator === ';' && lines[0].includes(',') ? digits(value).replace('.', ',') : digits(value));
   const rows = lines.map((line, i) => [line.trimEnd(), ...names.map((name) => number(added[name][i]))].join(separator));
-  return `${[headerLine.trimEnd(), ...names].join(separator)}\n${rows.join('\n')}\n`;
+  return `${[headerLine.trimEnd(), ...names.map((name) => unused(name))].join(separator)}\n${rows.join('\n')}\n`;
 }

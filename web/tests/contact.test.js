@@ -28,6 +28,11 @@ const INCH = 25.4;
 function assertAnswer(shown, answer, what, isInch = false) {
   for (const [name, figure] of Object.entries(shown)) {
     const expected = name === 'deviation' ? answer.check.deviation : answer[name];
+    if (name === 'ra_um') {
+      // Microinches, or micrometres; three digits.
+      assertFigure(figure, expected, isInch ? 1000 / INCH : 1, `${what} ${name}`, 3);
+      continue;
+    }
     const perMillimetre = (HEIGHTS.has(name) ? 1000 : 1) / (isInch ? INCH : 1);
     assertFigure(figure, expected, SHARES.has(name) ? 100 : perMillimetre, `${what} ${name}`);
   }
@@ -41,7 +46,7 @@ test('the contact view shows the figures of the service for every question', asy
     ['Scallop height', 'scallop-height', { step_over_mm: 0.687, feed_per_tooth_mm: 0.15 }, 'scallop_height_mm'],
     ['Largest step-over', 'step-over', { scallop_tolerance_mm: 0.01, feed_per_tooth_mm: 0.15 }, 'step_over_mm'],
     ['Largest feed', 'max-feed', { step_over_mm: 0.6, scallop_tolerance_mm: 0.01, spindle_speed_rpm: 8000 }, 'feed_rate_mm_min'],
-    ['Fastest pair', 'cutting-parameters', { scallop_tolerance_mm: 0.01, spindle_speed_rpm: 8000, max_feed_per_tooth_mm: 0.2 }, 'area_rate_mm2_min'],
+    ['Fastest step-over and feed', 'cutting-parameters', { scallop_tolerance_mm: 0.01, spindle_speed_rpm: 8000, max_feed_per_tooth_mm: 0.2 }, 'area_rate_mm2_min'],
   ];
   for (const [label, endpoint, members, main] of questions) {
     await page.getByText(label, { exact: true }).first().click();
@@ -75,6 +80,21 @@ test('the drawn cusp is the service’s height without feed', async () => {
   clean(watch);
 });
 
+test('Ra of the drawing stands for the tolerance', async () => {
+  const { page, watch } = await visit('#contact?question=step&tolerance_form=ra&ra_um=1.6');
+  const cutter = { type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2, teeth: 4 };
+  const body = { cutter, contact: { slope_deg: 40, feed_angle_deg: 30 }, feed_per_tooth_mm: 0.15, roughness: { ra_um: 1.6 }, model: 'envelope' };
+  const answer = await bench().service.post('step-over', body);
+  await page.locator('td[data-model="envelope"] data[data-figure="step_over_mm"]').waitFor();
+  const shown = (await figures(page)).envelope;
+  assert.equal(Number(shown.step_over_mm[0]), answer.step_over_mm);
+  assert.equal(Number(shown.ra_um[0]), answer.ra_um);
+  assert.match(await page.locator('.verdict').textContent(), /Within tolerance – 6\.235 µm of 6\.235 µm/);
+  await field(page, 'ra_um').fill('0');
+  await page.locator('#view-contact [data-field="ra_um"] .fault').waitFor();
+  clean(watch, { refused: true });
+});
+
 test('vectors, curvature and runout reach the service', async () => {
   const { page, watch } = await visit('#contact');
   await page.getByText('Vectors', { exact: true }).click();
@@ -85,6 +105,24 @@ test('vectors, curvature and runout reach the service', async () => {
   const request = { cutter: { type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2, teeth: 4 }, contact: { normal: [-0.64, 0, 0.77], feed: [1, 0, 0.84] }, surface_radius_mm: 80, runout: { radial_mm: 0.002 }, step_over_mm: 0.687, feed_per_tooth_mm: 0.15 };
   for (const model of ['envelope', 'analytic']) assertAnswer((await figures(page))[model], await bench().service.post('scallop-height', { ...request, model }), model);
   clean(watch);
+});
+
+test('a radius across the feed turns with the direction in the polar chart', async () => {
+  const { page, watch } = await visit('#contact');
+  await page.locator('.polar .curve').first().waitFor();
+  await page.getByText('Radius', { exact: true }).click();
+  await field(page, 'slope_deg').fill('0');
+  const asked = page.waitForRequest((request) => request.url().includes('step-over/batch') && Math.max(...request.postDataJSON().contacts.surface_curvature?.across_per_mm ?? []) > 0.019);
+  await field(page, 'surface_radius_mm').fill('50');
+  const { feed_angle_deg: angles, surface_curvature: curvature } = (await asked).postDataJSON().contacts;
+  // On a floor the angles seen from above are those in the surface: along the feed at 30 degrees it is straight, across it 1/50.
+  const at = (angle) => ['along', 'across'].map((name) => curvature[`${name}_per_mm`][angles.indexOf(angle)]);
+  for (const [angle, along, across] of [[30, 0, 0.02], [120, 0.02, 0], [75, 0.01, 0.01]]) {
+    const found = at(angle);
+    assert.ok(Math.abs(found[0] - along) < 1e-12 && Math.abs(found[1] - across) < 1e-12, `${angle}: ${found}`);
+  }
+  // The published model has no answer on a floor.
+  clean(watch, { refused: true });
 });
 
 test('a fault is shown at its field until the value is corrected', async () => {
@@ -98,6 +136,8 @@ test('a fault is shown at its field until the value is corrected', async () => {
   await page.locator('#view-contact [data-field="slope_deg"] .fault').waitFor();
   await field(page, 'corner_radius_mm').fill('2');
   await field(page, 'slope_deg').fill('40');
+  // The answer before stays in view until the new one comes.
+  for (const name of ['corner_radius_mm', 'slope_deg']) await page.locator(`#view-contact [data-field="${name}"] .fault`).waitFor({ state: 'hidden' });
   await page.locator('td[data-model="envelope"] data[data-figure="scallop_height_mm"]').waitFor();
   assert.equal(await page.locator('.view:not([hidden]) .fault:visible').count(), 0);
   clean(watch, { refused: true });
@@ -117,7 +157,7 @@ test('a link stores the whole state, including inches', async () => {
   await field(page, 'slope_deg').fill('25');
   await settled(page);
   const shown = await figures(page);
-  const request = { cutter: { type: 'toroidal', diameter_mm: 9.525, corner_radius_mm: 2, teeth: 4 }, contact: { slope_deg: 25, feed_angle_deg: 30 }, step_over_mm: 0.687, feed_per_tooth_mm: 0.15 };
+  const request = { cutter: { type: 'toroidal', diameter_mm: 9.525, corner_radius_mm: 1.5875, teeth: 4 }, contact: { slope_deg: 25, feed_angle_deg: 30 }, step_over_mm: 0.635, feed_per_tooth_mm: 0.1524 };
   for (const model of ['envelope', 'analytic']) assertAnswer(shown[model], await bench().service.post('scallop-height', { ...request, model }), `inch ${model}`, true);
   // The address follows the fields after a moment.
   await page.waitForFunction(() => location.hash.includes('slope_deg=25'));
@@ -130,6 +170,58 @@ test('a link stores the whole state, including inches', async () => {
   assert.equal(await field(other, 'diameter_mm').inputValue(), '0.375');
   assert.equal(await other.locator('tr[data-row="step_over_mm"] td.unit').textContent(), 'in');
   clean([...watch, ...otherWatch]);
+});
+
+test('defaults in inches are round, and values stay when the units change after one was typed', async () => {
+  const { page, watch } = await visit('#contact');
+  await page.locator('#settings').getByText('inch').click();
+  for (const [name, value] of [['diameter_mm', '0.375'], ['corner_radius_mm', '0.0625'], ['scallop_tolerance_mm', '0.4'], ['feed_per_tooth_mm', '0.006'], ['step_over_mm', '0.025']]) assert.equal(await field(page, name).inputValue(), value, name);
+  await page.locator('#settings').getByText('mm', { exact: true }).click();
+  await field(page, 'step_over_mm').fill('0,5');
+  await page.locator('#settings').getByText('inch').click();
+  for (const [name, value] of [['diameter_mm', '0.3937008'], ['step_over_mm', '0.01968504']]) assert.equal(await field(page, name).inputValue(), value, name);
+  clean(watch);
+});
+
+test('fractions, decimal commas and units are understood, and faults speak the unit of the field', async () => {
+  const { page, watch } = await visit('#contact');
+  for (const [name, text, member] of [['diameter_mm', '1/2in', 12.7], ['diameter_mm', '12,5', 12.5], ['feed_per_tooth_mm', '150um', 0.15], ['step_over_mm', '1/2', 0.5], ['slope_deg', '0.5 rad', 90 / Math.PI]]) {
+    const isMeant = (request) => {
+      if (!request.url().endsWith('v1/scallop-height')) return false;
+      const { cutter, contact, ...rest } = request.postDataJSON();
+      return Math.abs({ ...rest, ...cutter, ...contact }[name] / member - 1) < 1e-9;
+    };
+    const asked = page.waitForRequest(isMeant, { timeout: 5000 });
+    await field(page, name).fill(text);
+    await asked;
+  }
+  await page.locator('#view-contact').getByText('Largest step-over', { exact: true }).click();
+  await field(page, 'scallop_tolerance_mm').fill('-3');
+  await page.locator('#view-contact [data-field="scallop_tolerance_mm"] .fault').getByText(/must be from 0\.001 to \d+ µm, found -3/).waitFor();
+  // A text is a fault where no request contains it, too.
+  await page.getByText('Scallop height', { exact: true }).first().click();
+  await field(page, 'scallop_tolerance_mm').fill('abc');
+  await page.locator('#view-contact [data-field="scallop_tolerance_mm"] .fault').getByText(/expected a number, found “abc”/).waitFor();
+  clean(watch, { refused: true });
+});
+
+test('an answer says whether it keeps the tolerance, and the remedy is one click', async () => {
+  const { page, watch } = await visit('#contact');
+  await page.locator('[data-verdict="fail"]').waitFor();
+  await page.getByRole('button', { name: 'Use the largest step-over under the tolerance' }).click();
+  await page.locator('[data-verdict="pass"]').waitFor();
+  await page.locator('#view-contact').getByText('Largest feed', { exact: true }).click();
+  await page.locator('.answer data').first().waitFor();
+  await field(page, 'step_over_mm').fill('2');
+  // The last answer stays, dimmed, below the reason.
+  await page.locator('.answer .dimmed data').first().waitFor();
+  assert.ok(await page.locator('.detail > svg').isVisible());
+  const remedy = page.getByRole('button', { name: /^Use a step-over of/ });
+  const stated = /of ([\d.]+) mm/.exec(await remedy.textContent())[1];
+  await remedy.click();
+  await page.locator('[data-verdict="pass"]').waitFor();
+  assert.equal(await field(page, 'step_over_mm').inputValue(), stated);
+  clean(watch, { refused: true });
 });
 
 test('the copied curl command gives the page’s figures', async () => {
@@ -149,7 +241,7 @@ test('every figure of an answer has a tooltip, and every quantity a unit', async
     if ((await row.getAttribute('data-row')) !== 'limited_by') assert.notEqual(await row.locator('td.unit').textContent(), '');
   }
   await page.locator('tr[data-row="effective_radius_mm"] .term').hover();
-  assert.match(await page.locator('#tooltip').textContent(), /groove/);
+  await page.locator('#tooltip').getByText(/groove/).waitFor();
 });
 
 test('an answer follows each keystroke, and the time is reported', async (t) => {

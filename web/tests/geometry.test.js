@@ -1,9 +1,10 @@
 // The page's own mathematics and text handling, without a browser: the cutter's profile, frames, units, links and tables.
 
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { anglesOf, dot, frameOfAngles, frameOfVectors } from '../contact/frame.js';
-import { Profile, grooveCurvature } from '../contact/profile.js';
+import { Profile, arcsOf, grooveCurvature, outlineOf } from '../contact/profile.js';
 import { fragmentOf, readFragment } from '../link.js';
 import { EXAMPLES, fileOfSurface } from '../part/examples.js';
 import { Placement } from '../part/overlays.js';
@@ -12,12 +13,14 @@ import { examplePath } from '../path/example.js';
 import { TableFault, contactsOf, readTable, withColumns } from '../path/table.js';
 import { format, formatInput, formatTime, parseInput, setUnits } from '../units.js';
 
+const torus = (R, r) => arcsOf({ type: 'toroidal', diameter_mm: 2 * R, corner_radius_mm: r });
+
 // R = 5, r = 2: [slope, feed angle, step-over, height in um], computed by brute-force simulation to 1 nm.
 const CUSPS = [[40, 0, 0.73, 10.006], [40, 90, 0.4, 10.025], [5, 0, 2, 14.065], [1, 0, 3.7, 10.958], [0.5, 0, 5.27, 13.42], [0.2, 0, 5.9, 8.295], [0.01, 0, 6.4, 10.548], [85, 90, 0.4, 9.936], [89, 90, 0.4, 4.371]];
 
 test('the drawn cusp has the height that a simulation of the cutter gives', () => {
   for (const [slope, angle, stepOver, expected] of CUSPS) {
-    const { height } = new Profile(frameOfAngles(slope, angle), 5, 2).cusp(stepOver);
+    const { height } = new Profile(frameOfAngles(slope, angle), torus(5, 2)).cusp(stepOver);
     // The published values are rounded to 0.001 um.
     assert.ok(Math.abs(height * 1000 - expected) < 0.00051, `${slope} ${angle}: ${height * 1000}`);
   }
@@ -25,19 +28,42 @@ test('the drawn cusp has the height that a simulation of the cutter gives', () =
 
 test('a ball end draws a circle in every direction', () => {
   for (const [slope, angle] of [[0, 0], [30, 70], [60, 10], [90, 0]]) {
-    const profile = new Profile(frameOfAngles(slope, angle), 4, 4);
+    const profile = new Profile(frameOfAngles(slope, angle), torus(4, 4));
     for (const x of [-0.5, 0, 0.3]) assert.ok(Math.abs(profile.heightAt(x) - (4 - Math.sqrt(16 - x * x))) < 1e-12, `${slope} ${angle} ${x}`);
   }
 });
 
+test('the drawn cusps of other shapes have the heights of their solids', () => {
+  const { cases } = JSON.parse(readFileSync(new URL('../../tests/data/profile_cutters.json', import.meta.url), 'utf8'));
+  const onPlanes = cases.filter(({ along_per_mm: along, across_per_mm: across }) => along === 0 && across === 0);
+  for (const { cutter, slope_deg: slope, feed_angle_deg: angle, step_over_mm: stepOver, step_over_height_mm: height } of onPlanes) {
+    const drawn = new Profile(frameOfAngles(slope, angle), arcsOf(cutter)).cusp(stepOver).height;
+    // The file states 0.1 %.
+    assert.ok(Math.abs(drawn / height - 1) < 1e-3, `${cutter.type} ${slope} ${angle}: ${drawn} for ${height}`);
+  }
+  assert.ok(onPlanes.length >= 10);
+});
+
+test('the outline of every shape ends at its radius and does not fall', () => {
+  const shapes = [
+    [{ type: 'tapered_ball', diameter_mm: 2, taper_deg: 5, shank_diameter_mm: 6 }, 3], [{ type: 'lens', diameter_mm: 16, lens_radius_mm: 40, corner_radius_mm: 1 }, 8],
+    [{ type: 'oval', diameter_mm: 10, tip_radius_mm: 2, side_radius_mm: 80 }, 5], [{ type: 'conical_barrel', diameter_mm: 10, tip_radius_mm: 2, side_radius_mm: 250, taper_deg: 20 }, 5], [{ type: 'flat_end', diameter_mm: 6 }, 3],
+  ];
+  for (const [cutter, radius] of shapes) {
+    const outline = outlineOf(arcsOf(cutter));
+    assert.ok(Math.abs(outline.at(-1)[0] - radius) < 1e-12, cutter.type);
+    for (let i = 1; i < outline.length; i += 1) assert.ok([0, 1].every((axis) => outline[i][axis] >= outline[i - 1][axis] - 1e-9), `${cutter.type} ${i}`);
+  }
+});
+
 test('on a wall, the side of the cutter leaves no scallop', () => {
-  const profile = new Profile(frameOfAngles(90, 90), 5, 2);
+  const profile = new Profile(frameOfAngles(90, 90), torus(5, 2));
   const towardsTheShank = profile.axis[0] > 0 ? 3 : -3;
   assert.ok(Math.abs(profile.heightAt(towardsTheShank)) < 1e-12);
 });
 
 test('a flat floor lies under the flat of a toroidal cutter', () => {
-  const profile = new Profile(frameOfAngles(0, 30), 5, 2);
+  const profile = new Profile(frameOfAngles(0, 30), torus(5, 2));
   assert.ok(Math.abs(profile.heightAt(2.9)) < 1e-6);
   assert.ok(Math.abs(profile.heightAt(4) - (2 - Math.sqrt(3))) < 1e-6);
 });
@@ -51,10 +77,10 @@ test('angles and vectors give the same frame', () => {
 });
 
 test('curvature across the feed alone enters the groove unchanged', () => {
-  assert.equal(grooveCurvature(frameOfAngles(40, 30), 5, 2, { across: 0.02 }), 0.02);
+  assert.equal(grooveCurvature(frameOfAngles(40, 30), torus(5, 2), { across: 0.02 }), 0.02);
   // Curvature along the feed changes an oblique groove, and one along the steepest line not.
-  assert.notEqual(grooveCurvature(frameOfAngles(40, 30), 5, 2, { across: 0.02, along: 0.05 }), 0.02);
-  assert.ok(Math.abs(grooveCurvature(frameOfAngles(40, 0), 5, 2, { across: 0.02, along: 0.05 }) - 0.02) < 1e-15);
+  assert.notEqual(grooveCurvature(frameOfAngles(40, 30), torus(5, 2), { across: 0.02, along: 0.05 }), 0.02);
+  assert.ok(Math.abs(grooveCurvature(frameOfAngles(40, 0), torus(5, 2), { across: 0.02, along: 0.05 }) - 0.02) < 1e-15);
 });
 
 // The groove of a surface curved in all directions, without the second-order step: for each slope q across the feed the slope p along it
@@ -97,7 +123,7 @@ test('the drawn cusp on a surface curved in all directions is within 1 % of the 
     [4.3, 2.25, 66.4, 65.4, { along: 0.005, across: 0.007, twist: -0.01 }, 0.44],
   ]) {
     const frame = frameOfAngles(slope, angle);
-    const drawn = new Profile(frame, R, r).cusp(stepOver, grooveCurvature(frame, R, r, curvature)).height;
+    const drawn = new Profile(frame, torus(R, r)).cusp(stepOver, grooveCurvature(frame, torus(R, r), curvature)).height;
     const exact = exactCusp(frame, R, r, curvature, stepOver);
     assert.ok(Math.abs(drawn / exact - 1) < 0.01, `${slope} ${angle}: drawn ${drawn}, exact ${exact}`);
   }
@@ -156,10 +182,10 @@ test('a table gets its columns line by line', async () => {
 
 test('the selection is sent where it is stated, and its faults find their fields', () => {
   const values = { example: 'grooved', method: 'surface', pattern: 'zigzag', machine: 'vmc', tolerance_of_plan: 0.01 };
-  assert.deepEqual(parametersOf(values, []), { scallop_height_mm: 0.01, machine: { preset: 'vmc' }, method: 'surface', pattern: 'zigzag', include: ['map'] });
+  assert.deepEqual(parametersOf(values, []), { scallop_tolerance_mm: 0.01, machine: { preset: 'vmc' }, method: 'surface', pattern: 'zigzag', include: ['map', 'program'] });
   const { select } = parametersOf({ ...values, select_slope_to_deg: 30, box_min_y_mm: -5, pieces_selected: '0, 2 x' }, []);
   assert.deepEqual(select, { slope_deg: [0, 30], box_mm: { min: [-1e9, -5, -1e9], max: [1e9, 1e9, 1e9] }, pieces: [0, 2, 'x'] });
-  for (const [pointer, field] of [['/select/slope_deg', 'select_slope_to_deg'], ['/select/box_mm/min/2', 'box_min_z_mm'], ['/select/pieces/1', 'pieces_selected'], ['/scallop_height_mm', 'tolerance_of_plan'], ['/machine/jerk_m_s3', 'jerk_m_s3'], ['/directions_deg/3', 'directions_deg']]) {
+  for (const [pointer, field] of [['/select/slope_deg', 'select_slope_to_deg'], ['/select/box_mm/min/2', 'box_min_z_mm'], ['/select/pieces/1', 'pieces_selected'], ['/scallop_tolerance_mm', 'tolerance_of_plan'], ['/machine/jerk_m_s3', 'jerk_m_s3'], ['/directions_deg/3', 'directions_deg']]) {
     assert.equal(fieldNameOf(pointer), field);
   }
 });

@@ -7,10 +7,11 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, afterEach, before } from 'node:test';
 import { promisify } from 'node:util';
+import AxeBuilder from '@axe-core/playwright';
 import { chromium } from 'playwright-core';
 import { serve } from './development_server.js';
 
-const FLAGS = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
+const FLAGS = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 const { SCALLOPD_BINARY, PAGE_FROM, CHROMIUM } = process.env;
 
 export const folder = mkdtempSync(path.join(os.tmpdir(), 'workbench-'));
@@ -123,6 +124,12 @@ export const field = (page, name) => page.locator(`.view:not([hidden]) [data-fie
 /** Asserts that no error was recorded. Browsers log every answer with an error status; `refused` allows these. */
 export const clean = (watch, { refused = false } = {}) => assert.deepEqual(watch.filter((line) => !refused || !/status of 4/.test(line)), []);
 
+/** The serious faults that axe finds. */
+export async function graveFaults(page) {
+  const { violations } = await new AxeBuilder({ page }).analyze();
+  return violations.filter(({ impact }) => ['serious', 'critical'].includes(impact)).map(({ id, nodes }) => [id, nodes.map(({ target }) => target.join(' ')).slice(0, 4)]);
+}
+
 /** The text of the file that `click` downloads. */
 export async function downloaded(page, click) {
   const [download] = await Promise.all([page.waitForEvent('download'), click()]);
@@ -138,16 +145,15 @@ export function fileOf(name, text) {
 
 /**
  * A shown figure, as [full precision, text], is the service's value: the precise one to the last digit, the text as rounded in the units
- * of the page, `factor` for each unit of the service.
+ * of the page, `factor` for each unit of the service, to four significant digits; shares have three.
  */
-export function assertFigure([value, text], expected, factor, what) {
+export function assertFigure([value, text], expected, factor, what, significant = factor === 100 ? 3 : 4) {
   if (expected === null) return assert.equal(text, '∞', what);
   // A cutter that was only estimated has no figures of a path.
   if (expected === undefined) return assert.ok(!value, `${what}: ${value}`);
   assert.equal(Number(value), expected, what);
   const shown = expected * factor;
-  // Four significant digits; shares have three.
-  const digits = factor === 100 ? 5.1e-3 : 5.1e-4;
+  const digits = 5.1 * 10 ** -significant;
   return assert.ok(Math.abs(Number(text) - shown) <= digits * Math.abs(shown) + (shown === 0 ? 1e-12 : 0), `${what}: ${text} for ${shown}`);
 }
 

@@ -1,4 +1,4 @@
-// Screenshots of the three views. Usage: node screenshots.js FOLDER
+// Screenshots of the views. Usage: node screenshots.js FOLDER
 
 import path from 'node:path';
 import { open, start } from './harness.js';
@@ -16,12 +16,21 @@ async function shot(name, fragment, prepare, options) {
 }
 
 await shot('workbench-contact', '#contact', (page) => page.locator('.polar .curve').first().waitFor());
-await shot('workbench-part', '#part', async (page) => {
+const rank = async (page) => {
   await page.getByRole('button', { name: 'Find the cutter' }).click();
-  await page.locator('.ranking').waitFor({ timeout: 60_000 });
+  await page.locator('.ranking').waitFor({ timeout: 240_000 });
+};
+await shot('workbench-part', '#part?method=surface', rank, { viewport: { width: 1280, height: 1400 } });
+await shot('workbench-solid', '#part?method=surface&tolerance_of_plan=0.05', async (page) => {
+  await rank(page);
+  await page.locator('#view-part .map').getByText('3D', { exact: true }).click();
+  await page.locator('#view-part canvas.solid[data-shown]').waitFor();
+  await page.evaluate(() => scrollTo(0, 640));
+  await page.waitForTimeout(2000);
 }, { viewport: { width: 1280, height: 1400 } });
-await shot('workbench-path', '#path', async (page) => {
-  await page.getByRole('button', { name: 'Try an example' }).click();
-  await page.locator('#view-path .uplot').first().waitFor();
-});
+await shot('workbench-path', '#part?method=surface&tolerance_of_plan=0.05', async (page) => {
+  await rank(page);
+  await page.locator('#view-part').getByRole('button', { name: 'Check the program' }).click();
+  await page.locator('#path-check .verdict').waitFor({ timeout: 120_000 });
+}, { viewport: { width: 1280, height: 1100 } });
 await bench.close();

@@ -68,7 +68,7 @@ class Script(unittest.TestCase):
             done = run(server.url, str(SURFACE), str(LIBRARY), str(tools), "--unit", "inch")
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             parameters, surface, json_library, tools_library = self.parts(server.received[0])
-            self.assertEqual(parameters[2], b'{"scallop_height_mm": 0.01, "machine": {"preset": "vmc"}, "unit": "inch"}')
+            self.assertEqual(parameters[2], b'{"scallop_tolerance_mm": 0.01, "machine": {"preset": "vmc"}, "unit": "inch"}')
             self.assertEqual(surface, ("surface", "surface_2.stl", SURFACE.read_bytes()))
             self.assertEqual(json_library, ("library", "library.json", LIBRARY.read_bytes()))
             self.assertEqual(tools_library[:2], ("library", "library.tools"))

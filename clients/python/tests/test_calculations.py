@@ -9,7 +9,7 @@ import unittest
 from typing import Any, List
 
 import scallopd
-from servers import ServiceCase
+from servers import REPOSITORY, ServiceCase
 
 TORUS: scallopd.Cutter = {"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2, "teeth": 4}
 BALL: scallopd.Cutter = {"type": "ball_end", "diameter_mm": 10}
@@ -58,6 +58,24 @@ class Calculations(ServiceCase):
         for index, (normal, feed) in enumerate(zip(normals, feeds)):
             single = self.client.scallop_height(TORUS, {"normal": normal, "feed": feed}, step_over_mm=0.5)
             self.assertEqual(answer["scallop_height_mm"][index], single["scallop_height_mm"])
+
+    def test_a_batch_whose_contacts_all_fail_raises_or_is_returned_by_choice(self) -> None:
+        wide: scallopd.BatchContact = {"slope_deg": 40, "feed_angle_deg": 0, "step_over_mm": 30}
+        with self.assertRaises(scallopd.Problem):
+            self.client.scallop_height_batch(BALL, [wide, wide])
+        with scallopd.Client(self.service.url, return_failed_batches=True) as client:
+            answer = client.scallop_height_batch(BALL, [wide, wide])
+            self.assertEqual(answer["scallop_height_mm"], [None, None])
+            self.assertEqual([failure["index"] for failure in answer["failures"]], [0, 1])
+            # A request with a fault of its own has no answer to return.
+            with self.assertRaises(scallopd.Problem):
+                client.scallop_height_batch({"type": "ball_end", "diameter_mm": -1}, [wide])
+
+    def test_help_lists_the_parameters(self) -> None:
+        self.assertIn("step_over_mm: float", scallopd.Client.max_feed.__doc__ or "")
+        self.assertIn("method: Literal", scallopd.Client.recommend.__doc__ or "")
+        cargo = (REPOSITORY / "Cargo.toml").read_text(encoding="utf-8")
+        self.assertIn(f'version = "{scallopd.__version__}"', cargo)
 
     def test_a_batch_names_the_contact_without_an_answer(self) -> None:
         rows: List[scallopd.BatchContact] = [{"slope_deg": 40, "feed_angle_deg": 0}, {"slope_deg": 0, "feed_angle_deg": 0}]

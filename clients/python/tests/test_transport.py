@@ -294,7 +294,7 @@ class Uploads(unittest.TestCase):
         library = scallopd.File(b'{"data": []}', "a.json")
         parts = self.parts(self.received(b"0 0 0", libraries=[library], include=["passes"], model=None))
         self.assertEqual(parts["library"], ("a.json", b'{"data": []}'))
-        expected = {"cutters": [CANDIDATE], "scallop_height_mm": 0.01, "machine": {"preset": "vmc"}, "include": ["passes"]}
+        expected = {"cutters": [CANDIDATE], "scallop_tolerance_mm": 0.01, "machine": {"preset": "vmc"}, "include": ["passes"]}
         self.assertEqual(json.loads(parts["parameters"][1]), expected)
 
     def test_a_file_name_cannot_break_the_form(self) -> None:

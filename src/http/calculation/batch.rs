@@ -2,22 +2,23 @@
 //! contact without an answer does not affect the others.
 
 use super::column::{Column, Table};
-use super::selected_columns::Selection;
+use super::selected_columns::ColumnSelection;
 use super::single::{self, warnings_schema};
 use super::{Calculation, Inputs};
 use crate::budget::Job;
 use crate::cancellation::CancelFlag;
-use crate::http::codes::RequestFault;
+use crate::http::codes::{RequestFault, WarningCode};
 use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    BatchContact, CHECK_FIGURES, ContactParameters, Contacts, Failure, Figures, Get, InOrder, MODEL, SharedMembers, SharedParameters,
-    Summary, Warning, no_answer,
+    BatchContact, CHECK_FIGURES, ContactParameters, Contacts, Failure, Figure, Figures, Get, InOrder, MODEL, SharedMembers,
+    SharedParameters, Summary, Warning, no_answer,
 };
-use crate::http::worker_pool::Work;
+use crate::http::work::Work;
 use crate::milling::{EvaluatedPass, NoAnswer};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use std::f64::consts::FRAC_PI_2;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -44,7 +45,8 @@ pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody)
 }
 
 fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<WrittenJson, Problem> {
-    body.read(|object, faults| {
+    let mut without_answers = None;
+    let answer = body.read(|object, faults| {
         let path = object.path();
         let (defaults, batch) = Batch::<C>::read(object, faults);
         let path = path.member(CONTACTS);
@@ -62,8 +64,23 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
             return Err(Faulted);
         }
         let batch = batch?;
-        batch.compute(&contacts, path, cancel).answer(&batch, cancel, faults)
-    })
+        let part = batch.compute(&contacts, path, cancel);
+        if cancel.is_cancelled() {
+            // The answer of a cancelled batch is discarded.
+            return Err(Faulted);
+        }
+        if part.count == 0 || part.failed < part.count {
+            return Ok(part.table(&batch).written());
+        }
+        part.list_failures(faults);
+        without_answers = Some(part.table(&batch).joined());
+        Err(Faulted)
+    });
+    match without_answers {
+        // No contact has an answer. The problem has the batch's answer, so that clients read its `failures` as usual.
+        Some(table) => answer.map_err(|problem| problem.with_answer(table)),
+        None => answer,
+    }
 }
 
 /// The parts of a request beside its contacts.
@@ -71,7 +88,7 @@ struct Batch<C> {
     shared: SharedParameters,
     defaults: ContactParameters,
     calculation: C,
-    selection: Selection,
+    selection: ColumnSelection,
 }
 
 /// The results of a chunk of consecutive contacts. Indices are those in the chunk.
@@ -84,7 +101,16 @@ struct Part {
     failures: Vec<(usize, Vec<Fault>)>,
     outside_range: usize,
     warnings: Vec<Warning>,
+    /// The number of contacts by angles, and their largest slope in deg.
+    by_angles: usize,
+    largest_slope: f64,
 }
+
+/// The number of slopes from which on it is no accident that all are small.
+const MANY_SLOPES: usize = 20;
+
+/// The slope in deg up to which a surface counts as a floor.
+const SMALL_SLOPE: f64 = 0.2;
 
 impl<C: Calculation> Batch<C> {
     /// Reads the parts of a request beside its contacts. The parameters of contacts are returned even if other parts have
@@ -94,7 +120,7 @@ impl<C: Calculation> Batch<C> {
         let defaults = ContactParameters::read(object, C::STATED, faults);
         let members = C::Members::read(object, faults);
         let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), faults);
-        let selection = Selection::read::<C>(object, faults);
+        let selection = ColumnSelection::read::<C>(object, faults);
         let batch = || Ok(Self { shared: shared?, defaults, calculation: calculation?, selection: selection? });
         (defaults, batch())
     }
@@ -124,6 +150,10 @@ impl<C: Calculation> Batch<C> {
         let is_computed = contact.as_ref().is_ok_and(|contact| self.compute_contact(part, contact, path, faults).is_ok());
         if !is_computed {
             part.fail(faults.take());
+        }
+        if let Some(slope) = contact.as_ref().ok().and_then(|contact| contact.contact.stated_slope_deg()) {
+            part.by_angles += 1;
+            part.largest_slope = part.largest_slope.max(slope);
         }
         part.count += 1;
     }
@@ -155,12 +185,21 @@ impl<C: Calculation> Batch<C> {
     /// A part without contacts, and room for about `count`.
     fn part(&self, count: usize) -> Part {
         let columns = self.selection.figures.iter().map(|_| Column::with_capacity(count)).collect();
-        Part { columns, count: 0, failed: 0, failures: Vec::new(), outside_range: 0, warnings: Vec::new() }
+        Part {
+            columns,
+            count: 0,
+            failed: 0,
+            failures: Vec::new(),
+            outside_range: 0,
+            warnings: Vec::new(),
+            by_angles: 0,
+            largest_slope: 0.0,
+        }
     }
 }
 
 impl Part {
-    fn add(&mut self, figures: &Figures, pass: &EvaluatedPass, selection: &Selection) {
+    fn add(&mut self, figures: &Figures, pass: &EvaluatedPass, selection: &ColumnSelection) {
         let index = self.count;
         for (column, figure) in self.columns.iter_mut().zip(&selection.figures) {
             match figure.get {
@@ -169,7 +208,7 @@ impl Part {
                 Get::Words(..) => column.push(figure.value(figures).as_ref()),
             }
         }
-        for warning in pass.warnings(figures.step_over, figures.feed_per_tooth) {
+        for warning in figures.warnings(pass) {
             match self.warnings.iter_mut().find(|known| known.code == warning.into()) {
                 Some(known) => known.contacts = known.contacts.map(|contacts| contacts + 1),
                 None => self.warnings.push(Warning { contacts: Some(1), first_index: Some(index), ..Warning::from(warning) }),
@@ -178,7 +217,7 @@ impl Part {
     }
 
     fn fail(&mut self, faults: Faults) {
-        self.columns.iter_mut().for_each(|column| column.push_number(self.count, None));
+        self.columns.iter_mut().for_each(Column::push_failed);
         self.failed += 1;
         if self.failures.len() < MOST_FAILURES {
             self.failures.push((self.count, faults.into_listed()));
@@ -205,35 +244,55 @@ impl Part {
         self.count += next.count;
         self.failed += next.failed;
         self.outside_range += next.outside_range;
+        self.by_angles += next.by_angles;
+        self.largest_slope = self.largest_slope.max(next.largest_slope);
         self
     }
 
-    /// The answer, or the faults if no contact has one.
-    fn answer<C>(self, batch: &Batch<C>, cancel: &CancelFlag, faults: &mut Faults) -> Result<WrittenJson, Faulted> {
-        if cancel.is_cancelled() {
-            // The answer of a cancelled batch is discarded.
-            return Err(Faulted);
-        }
-        if self.count == 0 || self.failed < self.count {
-            return Ok(self.written(batch));
-        }
+    /// Records the first faults of a batch whose contacts all failed.
+    fn list_failures(&self, faults: &mut Faults) {
         let mut left_out = self.count;
         let mut listed = 0;
-        for (_, of_contact) in self.failures {
+        for (_, of_contact) in &self.failures {
             listed += of_contact.len();
             if listed > MOST_FAULTS {
                 break;
             }
             left_out -= 1;
             for fault in of_contact {
-                faults.push(fault);
+                faults.push(fault.clone());
             }
         }
         faults.add_left_out(left_out);
-        Err(Faulted)
     }
 
-    fn written<C>(self, batch: &Batch<C>) -> WrittenJson {
+    /// The warnings about figures that contacts with an answer do not have.
+    fn absent_figures(&self, selection: &ColumnSelection) -> Vec<Warning> {
+        let columns = selection.figures.iter().zip(&self.columns);
+        let absent = columns.filter(|(figure, column)| column.absent > 0 && selection.shows(figure, column));
+        let warning = |(figure, column): (&&Figure, &Column)| Warning {
+            contacts: Some(column.absent),
+            first_index: column.first_absent,
+            ..Warning::new(WarningCode::FigureAbsent, figure.absence())
+        };
+        absent.map(warning).collect()
+    }
+
+    /// The warning that slopes may be in radians: none of many exceeds pi/2.
+    fn radians(&self) -> Option<Warning> {
+        // The slope was converted to radians and back.
+        let largest = FRAC_PI_2 * (1.0 + 4.0 * f64::EPSILON);
+        let is_suspicious = self.by_angles >= MANY_SLOPES && self.largest_slope > SMALL_SLOPE && self.largest_slope <= largest;
+        let detail = format!(
+            "none of the {} slopes exceeds {:.4} deg; slope_deg and feed_angle_deg are in degrees, and these look like radians",
+            self.by_angles, self.largest_slope
+        );
+        is_suspicious.then(|| Warning::new(WarningCode::AnglesLikeRadians, detail))
+    }
+
+    fn table<C>(mut self, batch: &Batch<C>) -> Table {
+        let further: Vec<Warning> = self.absent_figures(&batch.selection).into_iter().chain(self.radians()).collect();
+        self.warnings.extend(further);
         let Batch { shared, selection, .. } = batch;
         let named = || selection.figures.iter().zip(&self.columns);
         let extremes = InOrder(named().filter_map(|(figure, column)| Some((figure.name, column.extremes()?))).collect());
@@ -242,14 +301,14 @@ impl Part {
         table.value("model", &MODEL.kind.word(&shared.model));
         table.value("summary", &Summary { count: self.count, failures: self.failed, outside_analytic_range, extremes });
         for (figure, column) in selection.figures.iter().zip(self.columns) {
-            if selection.is_stated || figure.is_required_column() || column.has_value {
+            if selection.shows(figure, &column) {
                 table.column(figure.name, column);
             }
         }
         let failures: Vec<_> = self.failures.iter().filter_map(|(index, faults)| Failure::new(*index, faults)).collect();
         table.value("failures", &failures);
         table.value("warnings", &self.warnings);
-        table.written()
+        table
     }
 }
 
@@ -259,7 +318,7 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
     let about = "A calculation at many contacts; the parameters apply to every contact that does not state its own";
     let schema = ObjectSchema::new(about, components).with::<SharedMembers>();
     let schema = schema.with_members(C::STATED.members()).with::<C::Members>();
-    Selection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
+    ColumnSelection::describe::<C>(schema).required_property(CONTACTS, contacts).build()
 }
 
 /// The schema of an answer for many contacts.

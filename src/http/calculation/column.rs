@@ -15,6 +15,9 @@ pub(crate) struct Column {
     pub(crate) has_value: bool,
     minimum: Option<Extreme>,
     maximum: Option<Extreme>,
+    /// The number of contacts that have an answer, but not this figure, and the first of them.
+    pub(crate) absent: usize,
+    pub(crate) first_absent: Option<usize>,
 }
 
 impl Column {
@@ -24,14 +27,21 @@ impl Column {
         Self { rows: Vec::with_capacity(20 * rows), ..Self::default() }
     }
 
+    /// Adds the row of a contact without an answer.
+    pub(crate) fn push_failed(&mut self) {
+        self.next_row().extend_from_slice(b"null");
+    }
+
     /// Adds the row of contact `index`; `None` is written as null.
     #[inline]
     pub(crate) fn push_number(&mut self, index: usize, number: Option<f64>) {
-        let rows = self.next_row();
         let Some(value) = number.filter(|value| value.is_finite()) else {
-            rows.extend_from_slice(b"null");
+            self.absent += 1;
+            self.first_absent = self.first_absent.or(Some(index));
+            self.push_failed();
             return;
         };
+        let rows = self.next_row();
         // As the serializer writes numbers.
         rows.extend_from_slice(zmij::Buffer::new().format_finite(value).as_bytes());
         self.has_value = true;
@@ -63,6 +73,7 @@ impl Column {
         for extreme in self.minimum.iter_mut().chain(&mut self.maximum) {
             extreme.index += first;
         }
+        self.first_absent = self.first_absent.map(|index| index + first);
     }
 
     /// The contacts with the smallest and the largest number; `None` if the column has no number.
@@ -82,6 +93,8 @@ impl Column {
         self.pieces.append(&mut next.pieces);
         self.rows = next.rows;
         self.has_value |= next.has_value;
+        self.absent += next.absent;
+        self.first_absent = self.first_absent.or(next.first_absent);
         self.minimum = further(self.minimum, next.minimum, f64::lt);
         self.maximum = further(self.maximum, next.maximum, f64::gt);
     }
@@ -125,6 +138,13 @@ impl Table {
         self.text.push(b'}');
         self.pieces.push(self.text);
         WrittenJson::in_pieces(self.pieces)
+    }
+
+    /// The whole object as one text.
+    pub(crate) fn joined(mut self) -> Vec<u8> {
+        self.text.push(b'}');
+        self.pieces.push(self.text);
+        self.pieces.concat()
     }
 
     fn name(&mut self, name: &'static str) {
@@ -171,6 +191,17 @@ mod tests {
             table.column("height_mm", whole);
             assert_eq!(text(table).await, r#"{"model":"analytic","height_mm":[0.5,null,1e-7,0.5]}"#, "cut at {cut}");
         }
+    }
+
+    #[test]
+    fn contacts_without_the_figure_are_counted_but_not_failed_ones() {
+        let mut whole = Column::default();
+        whole.push_failed();
+        whole.push_number(1, Some(2.0));
+        let mut next = column(0, &[None, None]);
+        next.shift(2);
+        whole.append(next);
+        assert_eq!((whole.absent, whole.first_absent), (2, Some(2)));
     }
 
     #[tokio::test]

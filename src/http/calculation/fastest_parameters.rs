@@ -5,14 +5,18 @@ use super::feed_limits::{BINDING_LIMIT, FEED_RATE, FeedLimits, Limit, MAX_FEED_P
 use super::{Calculation, Inputs, Texts};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Faulted, Faults, JsonPath, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, ContactParameters, Figure, Figures, Get, Heights, SharedParameters, StatedParameters, TOLERANCE};
+use crate::http::wire::{
+    COMMON_FIGURES, ContactParameters, Figure, Figures, Get, Heights, ROUGHNESS, RoughnessKind, SharedParameters, StatedParameters,
+    TOLERANCE, stated_height,
+};
 use crate::milling::{CuttingLimits, LimitedBy, NoAnswer};
 use crate::quantity::Length;
 
 members! {
     /// The tolerance to keep, and the limits of cutter, machine and step-over.
     pub(crate) struct CuttingParametersMembers {
-        tolerance: required TOLERANCE: Quantity<Length>,
+        tolerance: optional TOLERANCE: Quantity<Length>,
+        roughness: optional ROUGHNESS: RoughnessKind,
         spindle_speed_rpm: optional SPINDLE_SPEED: Quantity<f64>,
         per_tooth_limit: optional MAX_FEED_PER_TOOTH: Quantity<Length>,
         rate_limit_mm_min: optional MAX_FEED_RATE: Quantity<f64>,
@@ -83,8 +87,16 @@ impl Calculation for FastestParameters {
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
 
     fn new(members: CuttingParametersMembers, shared: Result<&SharedParameters, Faulted>, faults: &mut Faults) -> Result<Self, Faulted> {
-        let CuttingParametersMembers { tolerance, spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, min_step_over, max_step_over } =
-            members;
+        let CuttingParametersMembers {
+            tolerance,
+            roughness,
+            spindle_speed_rpm,
+            per_tooth_limit,
+            rate_limit_mm_min,
+            min_step_over,
+            max_step_over,
+        } = members;
+        let tolerance = stated_height(tolerance, roughness, &TOLERANCE, &JsonPath::Root, faults);
         let feed = FeedLimits::new(spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, shared, faults);
         let (min_step_over, max_step_over) = (min_step_over?, max_step_over?);
         CuttingLimits::new(None, min_step_over, max_step_over)

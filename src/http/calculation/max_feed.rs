@@ -3,15 +3,18 @@
 
 use super::feed_limits::{FEED_RATE, FeedLimits, LIMITED_BY, Limit, MAX_FEED_PER_TOOTH, MAX_FEED_RATE, SPINDLE_SPEED};
 use super::{Calculation, Inputs, Texts};
-use crate::http::reading::{Faulted, Faults, Kind, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, Get, SharedParameters, StatedParameters, TOLERANCE};
+use crate::http::reading::{Faulted, Faults, JsonPath, Kind, Quantity, members};
+use crate::http::wire::{
+    COMMON_FIGURES, Figure, Figures, Get, ROUGHNESS, RoughnessKind, SharedParameters, StatedParameters, TOLERANCE, stated_height,
+};
 use crate::milling::NoAnswer;
 use crate::quantity::Length;
 
 members! {
     /// The tolerance to keep, and the limits of cutter and machine.
     pub(crate) struct MaxFeedMembers {
-        tolerance: required TOLERANCE: Quantity<Length>,
+        tolerance: optional TOLERANCE: Quantity<Length>,
+        roughness: optional ROUGHNESS: RoughnessKind,
         spindle_speed_rpm: optional SPINDLE_SPEED: Quantity<f64>,
         per_tooth_limit: optional MAX_FEED_PER_TOOTH: Quantity<Length>,
         rate_limit_mm_min: optional MAX_FEED_RATE: Quantity<f64>,
@@ -48,7 +51,8 @@ impl Calculation for MaxFeed {
     const FIGURES: &'static [&'static [Figure]] = &[FIGURES, COMMON_FIGURES];
 
     fn new(members: MaxFeedMembers, shared: Result<&SharedParameters, Faulted>, faults: &mut Faults) -> Result<Self, Faulted> {
-        let MaxFeedMembers { tolerance, spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min } = members;
+        let MaxFeedMembers { tolerance, roughness, spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min } = members;
+        let tolerance = stated_height(tolerance, roughness, &TOLERANCE, &JsonPath::Root, faults);
         let limits = FeedLimits::new(spindle_speed_rpm, per_tooth_limit, rate_limit_mm_min, shared, faults);
         Ok(Self { tolerance: tolerance?, limits: limits? })
     }

@@ -2,15 +2,18 @@
 //! tolerance.
 
 use super::{Calculation, Inputs, Texts};
-use crate::http::reading::{Faulted, Faults, Quantity, members};
-use crate::http::wire::{COMMON_FIGURES, Figure, Figures, SharedParameters, StatedParameters, TOLERANCE};
+use crate::http::reading::{Faulted, Faults, JsonPath, Quantity, members};
+use crate::http::wire::{
+    COMMON_FIGURES, Figure, Figures, ROUGHNESS, RoughnessKind, SharedParameters, StatedParameters, TOLERANCE, stated_height,
+};
 use crate::milling::NoAnswer;
 use crate::quantity::Length;
 
 members! {
     /// The tolerance to keep.
     pub(crate) struct ToleranceMembers {
-        tolerance: required TOLERANCE: Quantity<Length>,
+        tolerance: optional TOLERANCE: Quantity<Length>,
+        roughness: optional ROUGHNESS: RoughnessKind,
     }
 }
 
@@ -32,8 +35,9 @@ impl Calculation for MaxStepOver {
     type Members = ToleranceMembers;
     const FIGURES: &'static [&'static [Figure]] = &[COMMON_FIGURES];
 
-    fn new(members: ToleranceMembers, _: Result<&SharedParameters, Faulted>, _: &mut Faults) -> Result<Self, Faulted> {
-        Ok(Self { tolerance: members.tolerance? })
+    fn new(members: ToleranceMembers, _: Result<&SharedParameters, Faulted>, faults: &mut Faults) -> Result<Self, Faulted> {
+        let ToleranceMembers { tolerance, roughness } = members;
+        Ok(Self { tolerance: stated_height(tolerance, roughness, &TOLERANCE, &JsonPath::Root, faults)? })
     }
 
     fn compute(&self, inputs: &Inputs<'_>) -> Result<Figures, NoAnswer> {

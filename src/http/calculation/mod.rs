@@ -3,21 +3,21 @@
 //! requests and writes answers is shared.
 
 mod batch;
+mod calculations;
 mod column;
 mod fastest_parameters;
 mod feed_limits;
 mod max_feed;
 mod max_step_over;
-mod operations;
 mod scallop_height;
 mod selected_columns;
 mod single;
 
+use calculations::{Texts, operations_of};
 use fastest_parameters::FastestParameters;
 use max_feed::MaxFeed;
 use max_step_over::MaxStepOver;
-use operations::{Texts, operations_of};
-use scallop_height::ScallopHeight;
+use scallop_height::ScallopHeightOperation;
 
 use super::examples::examples;
 use super::reading::{Faulted, Faults, Members};
@@ -28,7 +28,7 @@ use crate::quantity::Length;
 
 /// The routes of all calculations.
 pub(super) fn routes() -> Routes {
-    operations_of::<ScallopHeight>(examples!("scallop_height"))
+    operations_of::<ScallopHeightOperation>(examples!("scallop_height"))
         .merge(operations_of::<MaxFeed>(examples!("max_feed")))
         .merge(operations_of::<MaxStepOver>(examples!("step_over")))
         .merge(operations_of::<FastestParameters>(examples!("cutting_parameters")))

@@ -11,9 +11,9 @@ members! {
 }
 
 /// The height at a contact.
-pub(crate) struct ScallopHeight;
+pub(crate) struct ScallopHeightOperation;
 
-impl Calculation for ScallopHeight {
+impl Calculation for ScallopHeightOperation {
     const TEXTS: Texts = Texts {
         name: "scallop-height",
         summary: "The scallop height at one contact",

@@ -1,6 +1,7 @@
 //! The request's selection of columns and significant digits for a batch's answer.
 
 use super::Calculation;
+use super::column::Column;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, items, text};
 use crate::http::wire::{CHECK_FIGURES, Figure, Heights};
@@ -71,7 +72,7 @@ impl Kind for ColumnNames {
 }
 
 /// The columns of an answer.
-pub(super) struct Selection {
+pub(super) struct ColumnSelection {
     pub(super) figures: Vec<&'static Figure>,
     /// Whether the request names the columns.
     pub(super) is_stated: bool,
@@ -82,7 +83,7 @@ pub(super) struct Selection {
     pub(super) is_compared: bool,
 }
 
-impl Selection {
+impl ColumnSelection {
     /// Reads the selection from `object`.
     pub(super) fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Self, Faulted> {
         let stated = object.optional(&columns::<C>(), faults);
@@ -97,6 +98,11 @@ impl Selection {
 
     pub(super) fn describe<C: Calculation>(schema: ObjectSchema<'_>) -> ObjectSchema<'_> {
         schema.optional(&columns::<C>()).optional(&SIGNIFICANT_DIGITS)
+    }
+
+    /// Whether the answer has the column of a figure.
+    pub(super) fn shows(&self, figure: &Figure, column: &Column) -> bool {
+        self.is_stated || figure.is_required_column() || column.has_value
     }
 
     /// The number, rounded to the significant digits.

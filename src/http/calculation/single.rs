@@ -9,7 +9,7 @@ use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, O
 use crate::http::wire::{
     CONTACT, Check, ContactParameters, Figures, Heights, InOrder, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, no_answer,
 };
-use crate::http::worker_pool::Work;
+use crate::http::work::Work;
 use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass};
 use serde::Serialize;
 use serde_json::Value;
@@ -96,7 +96,7 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let feed_per_tooth = parameters.feed_per_tooth()?;
     let inputs = Inputs { shared: &shared, pass: &pass, step_over: step_over?, feed_per_tooth, heights: Heights::Parts };
     let figures = calculation.compute(&inputs).map_err(|cause| faults.push(fault(cause, calculation.step_over_member(&parameters))))?;
-    let mut warnings: Vec<Warning> = pass.warnings(figures.step_over, figures.feed_per_tooth).map(Warning::from).collect();
+    let mut warnings: Vec<Warning> = figures.warnings(&pass).map(Warning::from).collect();
     let check = check(&pass, &figures, &mut warnings);
     let values = C::figures().map(|figure| (figure, figure.value(&figures)));
     let stated = values.filter(|(figure, value)| value.is_some() || figure.is_required());

@@ -1,8 +1,8 @@
 //! The codes of the reasons that lower the confidence in a recommendation.
 
 use super::{codes, same_names};
-use crate::planning::Weakness;
 use crate::planning::plan::SurfaceWeakness;
+use crate::planning::{PathWeakness, Weakness};
 
 codes! {
     /// The weakness, as a code for programs; docs/codes.md lists meanings and remedies.
@@ -19,7 +19,6 @@ codes! {
         LongSteps = "long-steps": "Steps between passes are not limited by the jerk alone", "Treat the times as estimates.";
         SmallSurface = "small-surface": "The surface is smaller than those that validate the method", "Treat the critical slope as an estimate.";
         FewPasses = "few-passes": "There are few passes", "Count whole passes: the method does not round their number.";
-        StepOverExceedsCutter = "step-over-exceeds-cutter": "The step-over is wider than the cutter", "Use model \"envelope\".";
         MeanSlopeFarFromPlane = "mean-slope-far-from-plane": "The mean slope is far from the best-fit plane's slope", "Use method \"surface\".";
         AreaFarFromSize = "area-far-from-size": "The area is far from the characteristic size", "Use method \"surface\".";
         SeveralPieces = "several-pieces": "The surface is in several pieces", "Send or select one piece at a time.";
@@ -34,6 +33,8 @@ codes! {
         InconsistentOrientation = "inconsistent-orientation": "Part of the facets face the other way than the rest", "Repair the mesh: unify the orientation of its facets.";
         UnitUnlikely = "unit-unlikely": "The size of the part suggests that its file is in another unit", "State unit.";
         OverTolerance = "over-tolerance": "Part of the area that the cutter reaches is left over the scallop height", "Look at the map of scallop heights; finish that part in a second operation.";
+        AssumedPathFeed = "assumed-path-feed": "Part of the path states no feed rate", "State the feed rates of the path.";
+        CornersNotTimed = "corners-not-timed": "The machine has no path tolerance, and corners take no time", "State path_tolerance_mm of the machine.";
         Gouge = "gouge": "The path cuts into the part", "Look at the passes near the deepest cut; export the surface with a finer tolerance.";
     }
 }
@@ -44,8 +45,13 @@ same_names! {
 }
 
 same_names! {
+    PathWeakness => ConfidenceCode:
+    HiddenArea, InconsistentOrientation, AssumedPathFeed, CornersNotTimed,
+}
+
+same_names! {
     Weakness => ConfidenceCode:
     DirectionsNotPerpendicular, FormFactorNearOne, NoPrincipalDirection, SlopeNearZero, NotFlat, SlopeNearCritical, TimesNearlyEqual,
-    MeanSlopeDisagrees, ShortPasses, LongSteps, SmallSurface, FewPasses, StepOverExceedsCutter, MeanSlopeFarFromPlane, AreaFarFromSize,
+    MeanSlopeDisagrees, ShortPasses, LongSteps, SmallSurface, FewPasses, MeanSlopeFarFromPlane, AreaFarFromSize,
     SeveralPieces, SimulationDisagrees, SimulationPrefersOther,
 }

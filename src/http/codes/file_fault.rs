@@ -1,7 +1,7 @@
 //! The codes of faults of an uploaded file. Each is also the type of a problem.
 
 use super::{codes, same_names};
-use crate::surface::read::FaultKind;
+use crate::surface::read::FileFaultKind;
 use crate::tooling::LibraryFaultKind;
 
 codes! {
@@ -17,5 +17,5 @@ codes! {
     }
 }
 
-same_names!(FaultKind => FileFault: UnknownFormat, Malformed, Truncated, TooLarge, Ambiguous, OutOfRange, Empty);
+same_names!(FileFaultKind => FileFault: UnknownFormat, Malformed, Truncated, TooLarge, Ambiguous, OutOfRange, Empty);
 same_names!(LibraryFaultKind => FileFault: UnknownFormat, Malformed, OutOfRange, TooLarge, Empty);

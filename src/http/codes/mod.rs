@@ -50,7 +50,7 @@ pub(crate) trait Code: Copy + 'static {
 }
 
 /// A family of codes.
-pub(crate) trait Family: Code {
+pub(crate) trait CodeFamily: Code {
     /// All codes of the family.
     const ALL: &'static [Self];
 }
@@ -83,7 +83,7 @@ macro_rules! codes {
             $( #[doc = $meaning] $variant, )+
         }
 
-        impl $crate::http::codes::Family for $family {
+        impl $crate::http::codes::CodeFamily for $family {
             const ALL: &'static [Self] = &[$( Self::$variant ),+];
         }
 

@@ -9,6 +9,8 @@ codes! {
     /// A reason why a contact or a surface has no answer.
     NoAnswerCode: UNPROCESSABLE_ENTITY {
         FlatFloor = "flat-floor": "The analytic model has no answer on a floor", "Use model \"envelope\", or a ball-end cutter.";
+        StraightFlank = "straight-flank": "The analytic model has no answer at the slope of a cone", "Use model \"envelope\", or another slope.";
+        SlopeTooSteep = "slope-too-steep": "The slope is steeper than the cutter cuts", "Use a cutter with a smaller taper, or tilt the tool; steepest_slope_deg is the steepest slope that it cuts.";
         PassesDoNotOverlap = "passes-do-not-overlap": "The passes do not overlap", "Reduce the step-over to at most largest_step_over_mm.";
         MarksDoNotOverlap = "marks-do-not-overlap": "The tooth marks do not overlap", "Reduce the feed per tooth.";
         Gouging = "gouging": "The cutter gouges", "Use a smaller cutter, another corner radius, or a tilted tool; smallest_radius_mm, if present, is the smallest concave radius that the cutter fits.";
@@ -21,10 +23,10 @@ codes! {
     }
 }
 
-/// A figure in mm that a problem has as a member.
+/// A figure that a problem has as a member.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ProblemFigure {
-    /// The member's name on the wire.
+    /// The member's name on the wire, with its unit.
     pub(crate) name: &'static str,
     pub(crate) about: &'static str,
 }
@@ -49,6 +51,8 @@ const SMALLEST_RADIUS: ProblemFigure = figure(
 const FEED_HEIGHT: ProblemFigure =
     figure("feed_height_mm", "the height that the tooth marks leave with the smallest step-over; at least the tolerance");
 
+const STEEPEST_SLOPE: ProblemFigure = figure("steepest_slope_deg", "the steepest slope that the cutter cuts");
+
 const fn figure(name: &'static str, about: &'static str) -> ProblemFigure {
     ProblemFigure { name, about }
 }
@@ -62,7 +66,9 @@ impl NoAnswerCode {
             Self::ToleranceSetsNoLimit => (&[], &[LARGEST_OVERLAP]),
             Self::Gouging => (&[], &[SMALLEST_RADIUS]),
             Self::ToleranceExceededByFeed => (&[FEED_HEIGHT], &[]),
+            Self::SlopeTooSteep => (&[STEEPEST_SLOPE], &[]),
             Self::FlatFloor
+            | Self::StraightFlank
             | Self::MarksDoNotOverlap
             | Self::SharpEdge
             | Self::PassesCoincideFromAbove
@@ -70,11 +76,13 @@ impl NoAnswerCode {
         }
     }
 
-    /// The code of `cause`, with its figures in mm.
+    /// The code of `cause`, with its figures.
     pub(crate) fn of(cause: NoAnswer) -> (Self, Vec<(ProblemFigure, f64)>) {
         let one = |figure, length: Length| vec![(figure, length.mm())];
         match cause {
             NoAnswer::FlatFloor => (Self::FlatFloor, Vec::new()),
+            NoAnswer::StraightFlank => (Self::StraightFlank, Vec::new()),
+            NoAnswer::TooSteep { steepest } => (Self::SlopeTooSteep, vec![(STEEPEST_SLOPE, steepest.degrees())]),
             NoAnswer::PassesDoNotOverlap { largest_step_over } => (Self::PassesDoNotOverlap, one(LARGEST_STEP_OVER, largest_step_over)),
             NoAnswer::MarksDoNotOverlap { largest_mark_spacing: _ } => (Self::MarksDoNotOverlap, Vec::new()),
             NoAnswer::Gouges { smallest_radius } => {
@@ -99,12 +107,15 @@ impl NoAnswerCode {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::Angle;
 
     #[test]
     fn every_cause_carries_the_figures_that_its_code_documents() {
         let length = Length::from_mm(1.0).unwrap();
         for cause in [
             NoAnswer::FlatFloor,
+            NoAnswer::StraightFlank,
+            NoAnswer::TooSteep { steepest: Angle::RIGHT },
             NoAnswer::PassesDoNotOverlap { largest_step_over: length },
             NoAnswer::MarksDoNotOverlap { largest_mark_spacing: length },
             NoAnswer::Gouges { smallest_radius: Some(length) },

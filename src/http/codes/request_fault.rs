@@ -20,6 +20,8 @@ codes! {
         FurtherFaults = "further-faults": "The request has more faults than are listed", "Correct the listed ones first.";
         NoDirection = "no-direction": "Vectors or angles do not describe a contact", "Give a normal that points out of the part and a feed that follows the surface.";
         CornerRadiusTooLarge = "corner-radius-too-large": "The corner radius does not fit into the cutter", "Give a corner radius under half the diameter, or a ball-end cutter.";
+        DimensionsDoNotFit = "dimensions-do-not-fit": "The dimensions of a cutter do not fit each other", "Correct the dimension, for which the detail has the bound.";
+        NotAProfile = "not-a-profile": "The arcs are not the profile of a convex cutter", "Correct the arc, or the one before it: arcs touch, or a straight piece with the normal of both joins them.";
         ScallopTooHigh = "scallop-too-high": "The scallop height exceeds what a cutter can leave", "Give a height of at most the corner radius and under the ball's radius.";
         HeightExceedsWidth = "height-exceeds-width": "The rectangle's side up the slope is its long side", "Give the long side, which is level, as the width.";
         FaultyProgram = "faulty-program": "A line of a program cannot be followed", "Correct the line that the detail names, or post-process the path as plain G0 to G3.";

@@ -1,6 +1,6 @@
 //! The table of all codes, `docs/codes.md`, checked against the enumerations.
 
-use super::{Code, ConfidenceCode, Entry, Family, FileFault, NoAnswerCode, NotRankedCode, RequestFault, ServiceProblem, WarningCode};
+use super::{Code, CodeFamily, ConfidenceCode, Entry, FileFault, NoAnswerCode, NotRankedCode, RequestFault, ServiceProblem, WarningCode};
 use axum::http::StatusCode;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -12,7 +12,7 @@ from the enumerations in `src/http/codes`: `SCALLOPD_WRITE_DOCS=1 cargo test --l
 ";
 
 /// The table of a family, with a column of statuses if its codes are types of problems.
-fn table<C: Family>(heading: &str, about: &str) -> String {
+fn table<C: CodeFamily>(heading: &str, about: &str) -> String {
     let mut text = format!("\n## {heading}\n\n{about}\n\n");
     let has_statuses = C::ALL.iter().any(|code| code.entry().status.is_some());
     text += if has_statuses {

@@ -13,7 +13,6 @@ codes! {
         CurvatureApproximate = "curvature-approximate": "The surface's normal turns so much between the marks that the actual height can be larger than stated", "Keep a margin to the tolerance.";
         NearGouging = "near-gouging": "The cutter's radius is nearly that of the hollow; a second-order surface is then not accurate enough", "Use a smaller cutter, or keep a margin to the tolerance.";
         OutsideAnalyticRange = "outside-analytic-range": "The analytic height is far below what the cutter leaves", "Use model \"envelope\".";
-        StepOverExceedsCutter = "step-over-exceeds-cutter": "The step-over is wider than the cutter", "Use model \"envelope\".";
         DegenerateFacets = "degenerate-facets": "Facets without area were left out", "None is needed; many of them indicate a damaged mesh.";
         FacetsLeftOut = "facets-left-out": "Facets that face another way were left out", "Set facing to \"any\" to use all facets.";
         TurnedOver = "turned-over": "The surface was assumed to be upside down", "Check the orientation of the facets.";
@@ -33,7 +32,9 @@ codes! {
         FaultyTools = "faulty-tools": "Finishing cutters of a library cannot be used", "Correct the tools that not_ranked names with faulty-tool; one of them may be the fastest.";
         PassesLeftOut = "passes-left-out": "The passes have too many points for an answer", "Select a part of the surface, or allow more height.";
         SpindleSpeedLimited = "spindle-speed-limited": "A spindle speed is over the machine's largest, which is used instead", "Check the speed and the feed that follows from it.";
-        MemberUnused = "member-unused": "A member of the request has no effect with the method", "Use method \"surface\", or leave the member out.";
+        MemberUnused = "member-unused": "A member of the request has no effect", "Do what the detail says, or leave the member out.";
+        FigureAbsent = "figure-absent": "A figure is null for contacts that have an answer", "Do what the detail says, or read the null as absent.";
+        AnglesLikeRadians = "angles-like-radians": "The slopes of a batch look like radians", "Send degrees.";
         MissingEnd = "missing-end": "The file ends inside a solid", "Check that the file is whole.";
     }
 }

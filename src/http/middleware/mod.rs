@@ -23,7 +23,7 @@ use super::metrics::Metrics;
 use super::overload::Overload;
 use super::problem::Problem;
 use super::routes::RouteClass;
-use super::worker_pool::Work;
+use super::work::Work;
 use crate::settings::Settings;
 use body::{BodyProgress, BodyRules};
 use observe::{Observer, observe};
@@ -56,7 +56,7 @@ impl<'a> Stack<'a> {
     /// All layers are added as one service: the router would box each separate layer, and clone it with all inner
     /// layers for every request.
     pub(super) fn surround<S: Clone + Send + Sync + 'static>(&self, class: RouteClass, router: Router<S>) -> Router<S> {
-        let AppState { metrics, readiness, workers, budget } = self.state.clone();
+        let AppState { metrics, readiness, workers, budget, .. } = self.state.clone();
         let rules = Arc::new(BodyRules::new(class, self.settings));
         let work = class.uses_workers().then(|| Work::new(workers.clone(), budget, metrics.clone()));
         let in_flight = class.is_shed().then(|| Arc::clone(&self.in_flight));

@@ -1,18 +1,20 @@
 //! The answer of a cutter recommendation.
 
 use super::candidates::{ComparedCutter, line_degrees};
-use super::confidence::ConfidenceAnswer;
-use super::map::MapAnswer;
+use super::confidence_answer::ConfidenceAnswer;
+use super::map::{CutterMap, MapAnswer};
 use super::parameters::Method;
-use super::passes::PassesAnswer;
+use super::passes_answer::PassesAnswer;
+use super::plan_answer::PlanAnswer;
+use super::plan_figures::{LinksAnswer, ScallopAnswer, SpacingAnswer};
 use super::program::ProgramAnswer;
-use super::shape::SurfaceAnswer;
+use super::surface_answer::SurfaceAnswer;
 use crate::http::codes::same_names;
 use crate::http::wire::{NamedCandidate, NotRanked, Warning, answer};
-use crate::milling::CutterKind;
+use crate::milling::{CutterKind, ra_um};
 use crate::planning::RectanglePlan;
-use crate::planning::plan::{CandidatePlan, FinishFigures, MilledFigures, TourFigures};
-use crate::quantity::{Angle, Length, Speed, Time};
+use crate::planning::plan::{CandidatePlan, MilledFigures};
+use crate::quantity::{Angle, Length, Time};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -31,6 +33,9 @@ answer! {
         pub(super) not_ranked: Vec<NotRanked>,
         /// The surface.
         pub(super) surface: SurfaceAnswer,
+        /// The share of the surface's area that the cutter of `rest_of` leaves, over which all figures of plans are; only with
+        /// `rest_of`.
+        pub(super) rest_area_share?: f64 [minimum = 0, maximum = 1],
         /// The slope below which the toroidal cutter is faster on the surface's equivalent rectangle; 90 if it is faster on
         /// every slope, 0 if the ball-end cutter is. Only if one toroidal and one ball-end cutter are compared and the
         /// published method has an answer.
@@ -40,11 +45,16 @@ answer! {
         /// The form factor below which the toroidal cutter is faster on a rectangle of this size and slope. Only with
         /// `critical_slope_deg`.
         pub(super) critical_form_factor?: f64 [minimum = 1],
-        /// The surface as a raster, for drawing; only if `include` names it.
+        /// The fastest plan of the number of operations that `operations` allows; only if it allows several, in method surface.
+        pub(super) plan?: PlanAnswer,
+        /// The surface as a raster, for drawing; only if `include` names it or `maps`.
         pub(super) map?: MapAnswer,
-        /// The passes of the recommended plan; only if `include` names them.
+        /// Where the other cutters do not fit, on the cells of `map`: those with a plan, fastest first, then those that are not ranked, 16
+        /// at most; only if `include` names it.
+        pub(super) maps?: Vec<CutterMap> [max_items = 16],
+        /// The passes of `plan`, else of the recommended plan; only if `include` names them.
         pub(super) passes?: PassesAnswer,
-        /// The recommended plan as a program; only if `include` names it.
+        /// `plan`, else the recommended plan, as a program; only if `include` names it.
         pub(super) program?: ProgramAnswer,
         /// The reliability of the recommendation.
         pub(super) confidence: ConfidenceAnswer,
@@ -100,7 +110,7 @@ answer! {
         /// The mean feed rate of the passes: their length over the time they would take without stops. Absent if the time is an
         /// estimate.
         feed_rate_mm_min?: f64 [minimum = 0],
-        /// The mean feed per tooth; only for cutters with teeth and spindle speed, in method surface.
+        /// The mean feed per tooth; only for cutters with teeth and spindle speed.
         feed_per_tooth_mm?: f64 [minimum = 0],
         /// The figures of the plan on the surface; only in method surface.
         #[serde(flatten)]
@@ -136,6 +146,8 @@ answer! {
         links: LinksAnswer [required = false] = LinksAnswer::of(&milled.tour),
         /// The height that the path leaves, tooth marks included, over the area that the cutter can reach.
         scallop_height_mm: ScallopAnswer [required = false] = ScallopAnswer::of(&milled.finish),
+        /// Ra of the geometry, in um, at `scallop_height_mm.p99`: 99 % of the area are smoother. Real surfaces are rougher.
+        ra_um: f64 [required = false, minimum = 0] = ra_um(milled.finish.p99),
         /// The share of the area that the cutter can reach and the path leaves more than 2 % over the scallop height.
         over_tolerance_share: f64 [required = false, minimum = 0, maximum = 1] = milled.finish.far_over_share,
         /// The deepest cut into the part, links and lifts included.
@@ -187,45 +199,7 @@ enum CutterKindName {
 }
 
 answer! {
-    /// Distances between passes.
-    #[derive(Clone, Copy)]
-    #[schema(as = StepOverRange)]
-    struct SpacingAnswer {
-        /// The smallest.
-        min: f64 [minimum = 0],
-        /// The median.
-        median: f64 [minimum = 0],
-        /// The largest.
-        max: f64 [minimum = 0],
-    }
-
-    /// The links between runs.
-    #[derive(Clone, Copy)]
-    #[schema(as = Links)]
-    struct LinksAnswer of (tour: &TourFigures) {
-        /// The number of links.
-        count: usize = tour.links,
-        /// The length of all links.
-        length_mm: f64 [minimum = 0] = tour.link_length,
-        /// The number of links over the clearance height.
-        lifts: usize = tour.lifts,
-    }
-
-    /// Scallop heights over the area.
-    #[derive(Clone, Copy)]
-    #[schema(as = ScallopHeights)]
-    struct ScallopAnswer of (heights: &FinishFigures) {
-        /// The median.
-        p50: f64 [minimum = 0] = heights.p50.mm(),
-        /// The 90th percentile.
-        p90: f64 [minimum = 0] = heights.p90.mm(),
-        /// The 99th percentile.
-        p99: f64 [minimum = 0] = heights.p99.mm(),
-        /// The largest.
-        max: f64 [minimum = 0] = heights.max.mm(),
-    }
-
-    /// Times by direction. The times of the best directions, at most three, are those of their paths; the others are
+    /// Times by direction. The fastest one's is that of its path, those of at most two more are of drafts, and the others are
     /// estimates, each independent of which directions were asked for.
     #[derive(Clone)]
     struct ByDirection of (plan: &CandidatePlan) {
@@ -253,11 +227,7 @@ impl RankedCandidate {
     pub(super) fn planned(plan: &CandidatePlan, candidates: &[NamedCandidate]) -> Self {
         let named = &candidates[plan.candidate];
         let milled = plan.milled.as_ref();
-        let spacing = |milled: &MilledFigures| SpacingAnswer {
-            min: milled.step_over.min.mm(),
-            median: milled.step_over.median.mm(),
-            max: milled.step_over.max.mm(),
-        };
+        let spacing = |milled: &MilledFigures| SpacingAnswer::of(&milled.step_over);
         #[expect(clippy::cast_precision_loss, reason = "at most 50,000")]
         let lines = |milled: &MilledFigures| milled.lines as f64;
         Self {
@@ -280,7 +250,7 @@ impl RankedCandidate {
 
     /// A plan by the published method. The distance between passes up and down the slope is horizontal and so the same
     /// seen from above; the distance between level passes is along the slope.
-    pub(super) fn on_rectangle(cutter: usize, plan: &RectanglePlan, slope: Angle, feed_rate: Speed, candidates: &[NamedCandidate]) -> Self {
+    pub(super) fn on_rectangle(cutter: usize, plan: &RectanglePlan, slope: Angle, candidates: &[NamedCandidate]) -> Self {
         let named = &candidates[cutter];
         let is_ball = named.candidate.cutter.kind() == CutterKind::BallEnd;
         let step_over = plan.zigzag.step_over.mm() * if is_ball { slope.cos() } else { 1.0 };
@@ -291,12 +261,12 @@ impl RankedCandidate {
             kind: named.candidate.cutter.kind().into(),
             direction_deg: plan.direction.map(line_degrees),
             machining_time_s: plan.zigzag.time.seconds(),
-            feed: FeedSource::Assumed,
+            feed: FeedSource::of(named),
             passes: Some(plan.zigzag.passes),
             path_length_mm: Some(plan.zigzag.path_length.mm()),
             step_over_xy_mm: Some(SpacingAnswer { min: step_over, median: step_over, max: step_over }),
-            feed_rate_mm_min: Some(feed_rate.mm_min()),
-            feed_per_tooth_mm: None,
+            feed_rate_mm_min: Some(plan.feed_rate.mm_min()),
+            feed_per_tooth_mm: plan.feed_per_tooth.map(Length::mm),
             planned: None,
             milled: None,
         }

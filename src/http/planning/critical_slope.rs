@@ -1,15 +1,16 @@
 //! `POST /v1/critical-slope`: the slope of an inclined rectangle at which both cutters take the same time.
 
-use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster};
-use super::job::{self, JobMembers};
-use crate::http::codes::{RequestFault, WarningCode};
+use super::candidates::{CandidateAnswer, ComparedCutter, Recommended, always_faster, outside_range};
+use super::job::{self, JobMembers, StatedJob};
+use super::parameters::unused_on_rectangle;
+use crate::http::codes::RequestFault;
 use crate::http::document::described;
 use crate::http::json_body::JsonBody;
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Components, Fault, Faulted, Faults, Form, Members, Object, ObjectSchema, Quantity, members};
 use crate::http::wire::{Warning, answer};
-use crate::milling::NoAnswer;
-use crate::planning::{CriticalSlope, InclinedRectangle, Job, Plan, critical_slope, plan};
+use crate::milling::{Contact, EffectiveRadius, Model};
+use crate::planning::{CriticalSlope, CutterComparison, InclinedRectangle, Plan, critical_slope, plan};
 use crate::quantity::{Angle, Area, FormFactor, Length};
 use axum::Json;
 use utoipa::openapi::{RefOr, Schema};
@@ -42,7 +43,11 @@ members! {
 
 answer! {
     /// The slope at which both cutters finish an inclined rectangle in the same time.
-    pub(crate) struct CriticalSlopeAnswer of (critical: CriticalSlope, plan: Option<&Plan>, job: &Job) {
+    pub(crate) struct CriticalSlopeAnswer of (critical: CriticalSlope, rectangle: InclinedRectangle, candidates: Option<[CandidateAnswer; 2]>, plan: Option<&Plan>, warnings: Vec<Warning>) {
+        /// mu = w/h of the rectangle.
+        form_factor: f64 [minimum = 1] = rectangle.form_factor().ratio(),
+        /// chi = w h of the rectangle.
+        characteristic_size_mm2: f64 [minimum = 0] = rectangle.characteristic_size().mm2(),
         /// s_c: below it the toroidal cutter is faster, above it the ball-end cutter. 90 if the toroidal cutter is faster
         /// on every slope, 0 if the ball-end cutter is; `always_faster` then names that cutter.
         critical_slope_deg: f64 [minimum = 0, maximum = 90] = critical.angle().degrees(),
@@ -55,23 +60,17 @@ answer! {
         recommended?: Recommended = plan.map(|plan| Recommended::of(plan.recommended())),
         /// Both cutters at `slope_deg`, the toroidal cutter first. Only with `slope_deg`.
         candidates?: Vec<CandidateAnswer> [min_items = 2, max_items = 2]
-            = plan.map(|plan| [&plan.toroidal, &plan.ball_end].map(CandidateAnswer::of).into()),
+            = candidates.map(Vec::from),
         /// Facts that need attention.
-        warnings: Vec<Warning> = plan.and_then(|plan| wide_step_over(plan, job)).into_iter().collect(),
+        warnings: Vec<Warning> = warnings,
     }
 }
 
-/// The warning that the step-over is wider than the cutter, which the model's circle allows.
-fn wide_step_over(plan: &Plan, job: &Job) -> Option<Warning> {
-    let (step_over, diameter) = (plan.toroidal.zigzag.step_over.mm(), 2.0 * job.toroidal().outer_radius().mm());
-    (step_over > diameter).then(|| {
-        Warning::new(
-            WarningCode::StepOverExceedsCutter,
-            format!(
-                "the toroidal cutter's step-over, {step_over:.3} mm, exceeds its diameter, {diameter} mm: the model's circle is wider than the cutter; model \"envelope\" takes the width into account"
-            ),
-        )
-    })
+/// The warning that the toroidal cutter's analytic step-over leaves far more than the scallop height.
+fn beyond_the_model(plan: &Plan, job: &CutterComparison, slope: Angle) -> Option<Warning> {
+    let step_over = plan.toroidal.zigzag.step_over;
+    let is_analytic = job.model() == Model::Analytic;
+    is_analytic.then(|| outside_range("the toroidal cutter", job.toroidal(), slope, step_over, None, job.scallop_height()))?
 }
 
 described!(CriticalSlopeRequest, describe_request);
@@ -96,22 +95,28 @@ pub(crate) async fn answer(body: JsonBody) -> Result<Json<CriticalSlopeAnswer>, 
         let job = job::read(object, faults);
         let rectangle = rectangle(object, faults);
         let SlopeMembers { slope } = SlopeMembers::read(object, faults);
-        let (job, rectangle) = (job?, rectangle?);
+        let (StatedJob { job, machine, tolerance }, rectangle) = (job?, rectangle?);
+        let mut warnings = unused_on_rectangle(&machine);
         let answer = match slope? {
-            None => critical_slope(&job, rectangle).map(|critical| CriticalSlopeAnswer::of(critical, None, &job)),
-            Some(slope) => plan(&job, rectangle, slope).map(|plan| CriticalSlopeAnswer::of(plan.critical_slope, Some(&plan), &job)),
+            None => critical_slope(&job, rectangle).map(|critical| CriticalSlopeAnswer::of(critical, rectangle, None, None, warnings)),
+            Some(slope) => plan(&job, rectangle, slope).map(|plan| {
+                let plan = plan.slowed(machine.time_factor);
+                warnings.extend(beyond_the_model(&plan, &job, slope));
+                let candidates =
+                    [(&plan.toroidal, job.toroidal(), rectangle.height()), (&plan.ball_end, job.ball_end(), rectangle.width())];
+                let candidates = candidates.map(|(candidate, cutter, pass)| {
+                    let radius = EffectiveRadius::across_feed(cutter, Contact::up_the_slope(slope)).finite();
+                    CandidateAnswer::of(candidate, radius, pass, job.machine())
+                });
+                CriticalSlopeAnswer::of(plan.critical_slope, rectangle, Some(candidates), Some(&plan), warnings)
+            }),
         };
         answer.map_err(|cause| {
             let detail = format_args!("the toroidal cutter up the slope: {cause}");
-            faults.push(Fault::no_answer(cause, &object.path().member(to_blame(cause)), detail))
+            faults.push(Fault::no_answer(cause, &object.path().member(tolerance), detail))
         })
     })
     .map(Json)
-}
-
-/// The member that causes the toroidal cutter to have no step-over.
-fn to_blame(cause: NoAnswer) -> &'static str {
-    if cause == NoAnswer::FlatFloor { SLOPE.name } else { job::SCALLOP_HEIGHT.name }
 }
 
 /// Reads the rectangle from `object`, by its sides or by its form.

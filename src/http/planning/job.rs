@@ -1,10 +1,13 @@
 //! A job: two cutters to compare, the scallop height that they may leave, the machine, and the model.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Fault, Faulted, Faults, JsonPath, Members, Object, Quantity, members};
-use crate::http::wire::{BallEndCutter, MACHINE, MODEL, Machine, ToroidalCutter};
+use crate::http::reading::{Choice, Fault, Faulted, Faults, JsonPath, Members, Object, Quantity, Renamed, members};
+use crate::http::wire::{
+    BallEndCutter, MACHINE, MODEL, MachineKind, ROUGHNESS, RoughnessKind, SCALLOP_HEIGHT, ToroidalCutter, plan_tolerance,
+};
 use crate::milling::Model;
-use crate::planning::{Job, JobError};
+use crate::motion;
+use crate::planning::{CutterComparison, JobError};
 use crate::quantity::Length;
 
 members! {
@@ -12,24 +15,37 @@ members! {
     pub(super) struct JobMembers {
         toroidal: required TOROIDAL: ToroidalCutter = ("toroidal", ToroidalCutter, "the toroidal cutter to compare"),
         ball_end: required BALL_END: BallEndCutter = ("ball_end", BallEndCutter, "the ball-end cutter to compare"),
-        scallop_height: required SCALLOP_HEIGHT: Quantity<Length> = ("scallop_height_mm", Quantity::length(0.01),
+        roughness: optional ROUGHNESS: RoughnessKind,
+        tolerance: optional TOLERANCE: Quantity<Length> = ("scallop_tolerance_mm", Quantity::length(0.01),
             "sh, the scallop height that either cutter may leave: at most the toroidal cutter's corner radius and under the ball's radius"),
-        machine: required MACHINE: Machine,
+        scallop_height: optional SCALLOP_HEIGHT: Renamed<Length>,
+        machine: required MACHINE: MachineKind,
         model: optional MODEL: Choice<Model>,
     }
 }
 
-/// Reads the members of a job from `object`, which may have others.
-pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Job, Faulted> {
-    let JobMembers { toroidal, ball_end, scallop_height, machine, model } = JobMembers::read(object, faults);
-    let job = Job::new(toroidal?, ball_end?, scallop_height?, machine?.limits, model?.unwrap_or_default());
-    job.map_err(|error| faults.push(fault(error, &object.path())))
+/// A job, the machine with what the job does not need, and the name of the member that states the scallop height.
+pub(super) struct StatedJob {
+    pub(super) job: CutterComparison,
+    pub(super) machine: motion::Machine,
+    pub(super) tolerance: &'static str,
 }
 
-fn fault(error: JobError, path: &JsonPath<'_>) -> Fault {
+/// Reads the members of a job from `object`, which may have others.
+pub(super) fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<StatedJob, Faulted> {
+    let JobMembers { toroidal, ball_end, roughness, tolerance, scallop_height, machine, model } = JobMembers::read(object, faults);
+    let tolerance = plan_tolerance(tolerance, scallop_height, roughness, &TOLERANCE, &object.path(), faults);
+    let (toroidal, ball_end, tolerance, machine) = (toroidal?, ball_end?, tolerance?, machine?);
+    let job = CutterComparison::new(toroidal, ball_end, tolerance.height, machine.limits, model?.unwrap_or_default());
+    let job = job.map_err(|error| faults.push(fault(error, &object.path().member(tolerance.name))))?;
+    Ok(StatedJob { job, machine, tolerance: tolerance.name })
+}
+
+/// The fault of a job whose scallop height is at `tolerance`.
+fn fault(error: JobError, tolerance: &JsonPath<'_>) -> Fault {
     match error {
         JobError::NotToroidal | JobError::NotBallEnd => unreachable!("each member is read as a cutter of its kind"),
-        JobError::ScallopTooHigh { .. } => Fault::new(&path.member(SCALLOP_HEIGHT.name), RequestFault::ScallopTooHigh, error),
-        JobError::BallEnd(cause) => Fault::no_answer(cause, &path.member(SCALLOP_HEIGHT.name), error),
+        JobError::ScallopTooHigh { .. } => Fault::new(tolerance, RequestFault::ScallopTooHigh, error),
+        JobError::BallEnd(cause) => Fault::no_answer(cause, tolerance, error),
     }
 }

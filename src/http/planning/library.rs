@@ -79,7 +79,7 @@ impl Libraries {
             if others.len() > MOST_LISTED {
                 listed.push(format!("and {} further types", others.len() - MOST_LISTED));
             }
-            sentences.push(format!("tools that are no ball-end, bull-nose or flat end mill were left out: {}", listed.join(", ")));
+            sentences.push(format!("tools that are no finishing cutters were left out: {}", listed.join(", ")));
         }
         let unlisted: u64 = self.read().map(ToolLibrary::unlisted_files).sum();
         if unlisted > 0 {

@@ -26,6 +26,8 @@ answer! {
         acceleration_m_s2: f64 [exclusive_minimum = 0, example = 6.0] = preset.limits.acceleration.mm_s2() / 1e3,
         /// J, the largest jerk along the path, in m/s^3.
         jerk_m_s3: f64 [exclusive_minimum = 0, example = 40.0] = preset.limits.jerk.mm_s3() / 1e3,
+        /// A path tolerance that is usual for finishing. Not applied unless `machine.path_tolerance_mm` states it.
+        usual_path_tolerance_mm: f64 [exclusive_minimum = 0, example = 0.01] = preset.usual_path_tolerance.mm(),
         /// The publication of the values, or "typical" if they are the usual order of magnitude of the class.
         source: &'static str = preset.source,
     }

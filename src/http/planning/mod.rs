@@ -3,24 +3,34 @@
 
 mod answer;
 mod candidates;
-mod confidence;
+mod checked_path;
+mod confidence_answer;
 mod critical_slope;
 mod job;
 mod library;
 mod machines;
 mod map;
+mod operations_members;
 mod parameters;
-mod passes;
+mod passes_answer;
 mod path_check;
 mod path_check_answer;
+mod path_cutters;
+mod path_feeds;
 mod path_object;
-mod plan;
+mod plan_answer;
+mod plan_figures;
+mod plan_task;
 mod program;
 mod recommendation;
-mod shape;
 mod simulation;
+mod surface_answer;
 mod unit_doubt;
 mod upload;
+
+pub(super) use checked_path::{FEED_PLACES, PLACES};
+pub(super) use path_check::LARGEST_PROGRAM;
+pub(super) use path_object::MOST_POINTS as MOST_PATH_POINTS;
 
 use super::examples::examples;
 use super::routes::{RouteClass, Routes};

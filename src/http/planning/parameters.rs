@@ -1,14 +1,17 @@
 //! The parameters of a recommendation, without the surface: cutters, scallop height, machine, and settings of the plan.
 
+mod unused;
+
 use super::library::Libraries;
+use super::operations_members::{OperationsKind, RestOfKind};
 use super::program::{ProgramOptions, ProgramOptionsKind};
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, members};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Members, Object, Quantity, Renamed, members};
 use crate::http::wire::{
-    CandidateKind, LibraryFilter, LibraryFilterKind, MACHINE, MOST_CUTTERS, Machine, NamedCandidate, PLAN_MODEL, SelectKind, StatedSurface,
-    SurfaceWithSource, UNIT,
+    CandidateKind, LibraryFilter, LibraryFilterKind, MACHINE, MOST_CUTTERS, MachineKind, NamedCandidate, PLAN_MODEL, ROUGHNESS,
+    RoughnessKind, SCALLOP_HEIGHT, SelectKind, StatedSurface, SurfaceWithSource, UNIT, Warning, plan_tolerance,
 };
-use crate::milling::Model;
+use crate::milling::{Cutter, Model};
 use crate::motion;
 use crate::planning::plan::{Directions, Pattern, PlanSettings};
 use crate::quantity::{Angle, Length, OutOfRange};
@@ -16,7 +19,10 @@ use crate::surface::mesh::Selection;
 use crate::surface::{Facing, Shape, Unit};
 use crate::tooling::FaultyTool;
 use serde::Serialize;
+use unused::{unused_drives, unused_members};
 use utoipa::ToSchema;
+
+pub(super) use unused::{unused, unused_on_rectangle};
 
 // The member `method` describes the two.
 /// The method of planning.
@@ -31,8 +37,9 @@ pub(super) enum Method {
 
 /// The optional parts of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum AnswerPart {
     Map,
+    Maps,
     Passes,
     Program,
 }
@@ -54,9 +61,11 @@ members! {
     pub(super) struct ParameterMembers {
         cutters: optional CUTTERS: List<CandidateKind> = ("cutters", List { item: CandidateKind, about_item: "", fewest: 1, most: MOST_CUTTERS },
             "the cutters to choose from, in any mix of kinds; answers refer to each by its position"),
-        scallop_height: required SCALLOP_HEIGHT: Quantity<Length> = ("scallop_height_mm", Quantity::length(0.01),
+        roughness: optional ROUGHNESS: RoughnessKind,
+        tolerance: optional TOLERANCE: Quantity<Length> = ("scallop_tolerance_mm", Quantity::length(0.01),
             "the scallop height that must not be exceeded: by step-over and tooth marks for cutters with teeth and spindle speed, by the step-over alone for others"),
-        machine: required MACHINE: Machine,
+        scallop_height: optional SCALLOP_HEIGHT: Renamed<Length>,
+        machine: required MACHINE: MachineKind,
         pattern: optional PATTERN: Choice<Pattern> = ("pattern", Choice { name: Some("Pattern"), words: &[("zigzag", Pattern::Zigzag), ("one_way", Pattern::OneWay)] },
             "zigzag (default): passes alternate in direction; one_way: all passes have the same direction, and the cutter returns at the rapid rate at the clearance height"),
         library_filter: optional LIBRARY_FILTER: LibraryFilterKind = ("library_filter", LibraryFilterKind,
@@ -78,9 +87,11 @@ members! {
             "only facets that meet all stated conditions are machined; the cutter must not gouge the others, which still hide what is below them"),
         avoid: optional AVOID: StatedSurface = ("avoid", StatedSurface,
             "a second surface, in the same unit and position: never machined and never cut, such as the walls beside the faces to finish"),
-        include: optional INCLUDE: List<Choice<Part>> = ("include",
-            List { item: Choice { name: None, words: &[("map", Part::Map), ("passes", Part::Passes), ("program", Part::Program)] }, about_item: "a part of the answer", fewest: 0, most: 3 },
-            "optional parts of the answer, in method surface: map, a raster for drawing; passes, the recommended plan point by point; program, the same as G-code"),
+        include: optional INCLUDE: List<Choice<AnswerPart>> = ("include",
+            List { item: Choice { name: None, words: &[("map", AnswerPart::Map), ("maps", AnswerPart::Maps), ("passes", AnswerPart::Passes), ("program", AnswerPart::Program)] }, about_item: "a part of the answer", fewest: 0, most: 4 },
+            "optional parts of the answer, in method surface: map, a raster for drawing; maps, it and where every other cutter does not fit, ranked or not; passes, the recommended plan point by point; program, the same as G-code"),
+        operations: optional OPERATIONS: OperationsKind = ("operations", OperationsKind, "how many operations a plan may have; absent = one"),
+        rest_of: optional REST_OF: RestOfKind = ("rest_of", RestOfKind, "a cutter that has machined everything before, in method surface: only what it could not reach is machined, and all figures are over that"),
         program: optional PROGRAM: ProgramOptionsKind = ("program", ProgramOptionsKind, "how the program of include is written"),
     }
 }
@@ -103,8 +114,15 @@ pub(super) struct Parameters {
     pub(super) max_uncut_share: Option<f64>,
     pub(super) selection: Selection,
     pub(super) avoid: Option<SurfaceWithSource>,
-    pub(super) include: Vec<Part>,
+    pub(super) include: Vec<AnswerPart>,
+    pub(super) most_operations: usize,
+    pub(super) rest_of: Option<Cutter>,
     pub(super) program: ProgramOptions,
+    /// The members that have no effect.
+    pub(super) unused: Vec<Warning>,
+    /// Whether the request states `facing`, and `select` or `max_slope_deg`, which have no effect without facets.
+    pub(super) states_facing: bool,
+    pub(super) states_facets: bool,
 }
 
 impl Parameters {
@@ -114,6 +132,10 @@ impl Parameters {
         let checked = libraries.check(faults);
         let members = ParameterMembers::read(object, faults);
         let path = object.path();
+        let mut unused = unused_members(&members, &libraries);
+        let states_facing = matches!(members.facing, Ok(Some(_)));
+        let states_facets = matches!(members.select, Ok(Some(_))) || matches!(members.max_slope, Ok(Some(_)));
+        let tolerance = plan_tolerance(members.tolerance, members.scallop_height, members.roughness, &TOLERANCE, &path, faults);
         let filter = members.library_filter.map(Option::unwrap_or_default);
         let candidates = members.cutters.and_then(|own| {
             // All cutters may have been in a refused library.
@@ -121,11 +143,13 @@ impl Parameters {
             all_candidates(own.unwrap_or_default(), libraries, &filter?, &path, faults)
         });
         let (candidates, faulty_tools) = candidates?;
+        let machine = members.machine?;
+        unused.extend(unused_drives(&candidates, &machine));
         Ok(Self {
             candidates,
             faulty_tools,
-            scallop_height: members.scallop_height?,
-            machine: members.machine?,
+            scallop_height: tolerance?.height,
+            machine,
             pattern: members.pattern?.unwrap_or_default(),
             max_slope: members.max_slope?.unwrap_or_else(|| Angle::from_radians(DEFAULT_MAX_SLOPE.to_radians())),
             method: members.method?.unwrap_or_default(),
@@ -137,7 +161,12 @@ impl Parameters {
             selection: members.select?.unwrap_or_default(),
             avoid: members.avoid?,
             include: members.include?.unwrap_or_default(),
+            rest_of: members.rest_of?,
+            most_operations: members.operations?.unwrap_or(1),
             program: members.program?.unwrap_or_default(),
+            unused,
+            states_facing,
+            states_facets,
         })
     }
 
@@ -150,7 +179,7 @@ impl Parameters {
         })
     }
 
-    pub(super) fn includes(&self, part: Part) -> bool {
+    pub(super) fn includes(&self, part: AnswerPart) -> bool {
         self.include.contains(&part)
     }
 
@@ -164,6 +193,8 @@ impl Parameters {
             max_slope: self.max_slope,
             directions: self.directions.clone().map_or(Directions::All { beside }, Directions::Only),
             max_uncut_share: self.max_uncut_share.unwrap_or(usual.max_uncut_share),
+            rest_of: self.rest_of,
+            most_operations: self.most_operations,
             shape: Some(*shape),
             ..usual
         }

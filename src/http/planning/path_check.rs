@@ -1,9 +1,8 @@
 //! `POST /v1/path-check` and `/v1/path-check/upload`: what a path leaves on a surface, whoever made it.
 
-use super::parameters::{DEFAULT_MAX_SLOPE, FACING, MAX_SLOPE, SELECT};
-use super::path_check_answer::{GougeAnswer, PathCheckAnswer, PlaceAnswer, ResidualAnswer, StandardErrors};
+use super::checked_path::{PathCheckMembers, PathToCheck};
+use super::path_check_answer::PathCheckAnswer;
 use super::path_object::{MOST_POINTS, PATH, read_program};
-use super::simulation::report;
 use super::upload::{read_file, read_small};
 use crate::budget::{Job, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
@@ -11,61 +10,25 @@ use crate::http::app_state::AppState;
 use crate::http::codes::{FileFault, RequestFault};
 use crate::http::document::described;
 use crate::http::json_body::{JsonBody, WrittenJson, read_text};
-use crate::http::multipart::Form;
+use crate::http::multipart::MultipartForm;
 use crate::http::problem::{Problem, Problems, UploadProblems};
-use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Members, Object, ObjectSchema, Quantity, members};
-use crate::http::wire::{AnyCutter, MACHINE, Machine, SURFACE, SelectKind, SurfaceWithSource, UNIT, Warning};
-use crate::http::worker_pool::Work;
-use crate::milling::Cutter;
-use crate::motion;
-use crate::path::program::Program;
-use crate::path::{Finding, Finish, Milled, Obstacles, PathLengths, Places, Reach, findings};
-use crate::planning::machined_surface::NoMachinedSurface;
-use crate::quantity::{Angle, Length, Speed};
-use crate::surface::mesh::FacetClass;
-use crate::surface::{Facing, Mesh, ReceivedSurface, Unit};
+use crate::http::reading::{Components, Faults, JsonPath, ObjectSchema};
+use crate::http::wire::SURFACE;
+use crate::http::work::Work;
 use axum::extract::State;
 use utoipa::openapi::schema::{KnownFormat, ObjectBuilder, SchemaFormat, Type};
 use utoipa::openapi::{RefOr, Schema};
-
-/// The places on the surface at which the path is looked at: a share of 1 % has a standard error of 0.05 %.
-const PLACES: usize = 40_000;
 
 /// The length in bytes of the shortest block of a program that states a point.
 const SHORTEST_BLOCK: usize = 3;
 
 /// The largest program in a form.
-const LARGEST_PROGRAM: usize = 32 << 20;
+pub(in crate::http) const LARGEST_PROGRAM: usize = 32 << 20;
 
 const PARAMETERS: &str = "parameters";
 
 /// The largest part with parameters.
 const LARGEST_PARAMETERS: usize = 1 << 18;
-
-/// The place of the cutter that a path states.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum TipPoint {
-    #[default]
-    LowestPoint,
-    Centre,
-}
-
-members! {
-    /// The members beside the surface and the path.
-    struct PathCheckMembers {
-        cutter: required PATH_CUTTER: AnyCutter = ("cutter", AnyCutter, "the cutter that runs the path"),
-        tip: optional TIP_POINT: Choice<TipPoint> = ("tip", Choice { name: Some("TipPoint"),
-            words: &[("lowest_point", TipPoint::LowestPoint), ("centre", TipPoint::Centre)] },
-            "the place of the cutter that the path states: its lowest point (default), or the centre of the ball or of the corner, on the axis"),
-        scallop_height: required TOLERANCE: Quantity<Length> = ("scallop_height_mm", Quantity::length(0.01),
-            "the tolerance: the height that may be left"),
-        machine: required MACHINE: Machine,
-        max_slope: optional MAX_SLOPE: Quantity<Angle>,
-        unit: optional UNIT: Choice<Unit>,
-        facing: optional FACING: Choice<Facing>,
-        select: optional SELECT: SelectKind,
-    }
-}
 
 described!(PathCheckRequest, describe_request);
 
@@ -92,7 +55,7 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
         let check = body.read(|object, faults| {
             let surface = object.required(&SURFACE, faults);
             let path = object.required(&PATH, faults);
-            Check::read(object, surface, path, faults, cancelled)
+            PathToCheck::read(object, surface, path, faults, cancelled)
         })?;
         drop(body);
         written(check, cancelled)
@@ -125,7 +88,7 @@ fn describe_upload(components: &mut Components) -> RefOr<Schema> {
 pub(crate) async fn answer_upload(
     work: Work,
     State(AppState { metrics, .. }): State<AppState>,
-    mut form: Form,
+    mut form: MultipartForm,
 ) -> Result<WrittenJson, Problem> {
     let input = Job::Upload { bytes: form.stated_length().unwrap_or(u64::MAX) };
     let held = work.budget().take(input, LONGEST_WAIT_OF_PLAN).await?;
@@ -160,8 +123,8 @@ pub(crate) async fn answer_upload(
             None => Err(missing(SURFACE.name, &mut faults)),
         };
         let path = program.ok_or(()).map_err(|()| missing(PATH.name, &mut faults)).and_then(|bytes| {
-            let text = String::from_utf8_lossy(&bytes);
-            read_program(&text, &JsonPath::Root.member(PATH.name), &mut faults)
+            let text = String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
+            read_program(text, &JsonPath::Root.member(PATH.name), &mut faults)
         });
         let Some(parameters) = parameters else {
             missing(PARAMETERS, &mut faults);
@@ -169,7 +132,7 @@ pub(crate) async fn answer_upload(
         };
         let check = read_text(&parameters, |object, found| {
             found.take_in(faults, |pointer| Some(pointer.to_owned()));
-            Check::read(object, surface, path, found, cancelled)
+            PathToCheck::read(object, surface, path, found, cancelled)
         })?;
         drop(held);
         written(check, cancelled)
@@ -178,102 +141,6 @@ pub(crate) async fn answer_upload(
 }
 
 /// Mills a path, and writes the answer.
-fn written(check: Check, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
+fn written(check: PathToCheck, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
     WrittenJson::until(cancelled, &check.answer(&|| cancelled.is_cancelled()))
-}
-
-/// A path to check.
-struct Check {
-    mesh: Mesh,
-    facets: Vec<u32>,
-    cutter: Cutter,
-    tolerance: Length,
-    machine: motion::Machine,
-    program: Program,
-    warnings: Vec<Warning>,
-}
-
-impl Check {
-    fn read(
-        object: &mut Object<'_, '_>,
-        surface: Result<SurfaceWithSource, Faulted>,
-        path: Result<Program, Faulted>,
-        faults: &mut Faults,
-        cancelled: &CancelFlag,
-    ) -> Result<Self, Faulted> {
-        let stop = || cancelled.is_cancelled();
-        let members = PathCheckMembers::read(object, faults);
-        let root = object.path();
-        let at = root.member(SURFACE.name);
-        let PathCheckMembers { cutter, tip, scallop_height, machine, max_slope, unit, facing, select } = members;
-        let (surface, facing) = (surface?, facing?.unwrap_or_default());
-        let (selection, max_slope) =
-            (select?.unwrap_or_default(), max_slope?.unwrap_or_else(|| Angle::from_radians(DEFAULT_MAX_SLOPE.to_radians())));
-        let unit = surface.unit_of(unit?, faults)?;
-        let shape = surface.surface.sampled.shape(unit, facing);
-        let warnings = shape.map_or_else(|_| Vec::new(), |shape| surface.warnings(&shape));
-        let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, .. } = surface;
-        let mut mesh = mesh.finish_until(unit, facing, &stop).map_err(|error| report(NoMachinedSurface::Mesh(error), &at, faults))?;
-        let pieces = mesh.pieces_until(&stop);
-        mesh.turn_solids_outwards(&pieces);
-        let selected = mesh.selected(&selection, &pieces);
-        let selected = selected.map_err(|error| report(NoMachinedSurface::Selection(error), &at, faults))?;
-        let visibility = mesh.visibility_until(max_slope, &stop);
-        let classes = visibility.classes().iter().zip(&selected).zip(0..);
-        let facets: Vec<u32> =
-            classes.filter(|((class, selected), _)| **selected && **class == FacetClass::Machined).map(|(_, facet)| facet).collect();
-        if facets.is_empty() {
-            return Err(report(NoMachinedSurface::NothingToMachine, &at, faults));
-        }
-        let (mut program, machine, cutter, tolerance) = (path?, machine?, cutter?.cutter, scallop_height?);
-        if tip? == Some(TipPoint::Centre) {
-            for point in &mut program.points {
-                point.point[2] -= cutter.corner_radius().mm();
-            }
-        }
-        Ok(Self { mesh, facets, cutter, tolerance, machine, program, warnings })
-    }
-
-    /// The answer; `None` once `stop` returns true.
-    fn answer(self, stop: &(dyn Fn() -> bool + Sync)) -> Option<PathCheckAnswer> {
-        let (moves, points) = self.program.moves();
-        let (profile, tolerance) = (self.cutter.profile(), self.tolerance.mm());
-        let feed_of = |point: &usize| {
-            let stated = self.program.points[*point].feed_rate.and_then(|feed| Speed::from_mm_min(feed).ok());
-            let most = self.machine.limits.feed_rate;
-            stated.map_or(most, |stated| if stated < most { stated } else { most })
-        };
-        let feeds: Vec<Speed> = points.iter().map(feed_of).collect();
-        let lengths = PathLengths::new(&moves, &feeds, &self.machine);
-        let milled = Milled::new(&profile, &moves, stop)?;
-        let places = Places::draw(&self.mesh, &self.facets, PLACES, 1);
-        let obstacles = Obstacles::new(&self.mesh);
-        let reach = Reach::new(&profile, &obstacles, &places, tolerance);
-        let finish = Finish::new(&milled, &self.mesh, &places, &reach, tolerance, stop)?;
-        let place = |finding: Finding| {
-            let by = finding.left.map(|left| left.by as usize);
-            PlaceAnswer {
-                code: finding.kind.into(),
-                point_mm: finding.place.point,
-                value_mm: finding.left.map(|left| left.height),
-                r#move: by,
-                line: by.map(|by| self.program.points[points[by]].line).filter(|line| *line > 0),
-            }
-        };
-        Some(PathCheckAnswer {
-            moves: moves.len(),
-            cutting_length_mm: lengths.cutting,
-            rapid_length_mm: lengths.rapid,
-            machining_time_s: lengths.time.seconds(),
-            residual_mm: finish.residual.map(ResidualAnswer::of),
-            over_tolerance_share: finish.over_share.value,
-            reachable_over_tolerance_share: finish.over_reachable_share.value,
-            uncut_share: finish.uncut_share.value,
-            used_share: finish.used_share.value,
-            gouge: GougeAnswer::of(&finish),
-            standard_error: StandardErrors::of(&finish),
-            places: findings(&finish, &places, tolerance, profile.outer_radius()).into_iter().map(place).collect(),
-            warnings: self.warnings,
-        })
-    }
 }

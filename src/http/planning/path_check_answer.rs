@@ -1,5 +1,9 @@
 //! The answer of a path check.
 
+use super::confidence_answer::ConfidenceAnswer;
+use super::map::PathMapAnswer;
+use super::path_feeds::FeedsAnswer;
+use super::program::ProgramAnswer;
 use crate::http::wire::{Warning, answer};
 use crate::path::{FindingKind, Finish, Residual};
 use serde::Serialize;
@@ -14,7 +18,8 @@ answer! {
         pub(super) cutting_length_mm: f64 [minimum = 0],
         /// The length of the rapid moves.
         pub(super) rapid_length_mm: f64 [minimum = 0],
-        /// The time of all moves, without stops at corners; the tool stops where moves at the feed rate and rapid moves meet.
+        /// The time of all moves, from stop to stop, where moves at the feed rate and rapid moves meet: corners are rounded
+        /// within the machine's path tolerance, or take no time if none is stated.
         pub(super) machining_time_s: f64 [minimum = 0],
         /// The material left over the selected area that is seen from above, along its normal; negative where the part is
         /// cut. Absent if the path comes over no place.
@@ -31,8 +36,25 @@ answer! {
         pub(super) gouge: GougeAnswer,
         /// The standard errors of the shares.
         pub(super) standard_error: StandardErrors,
-        /// The worst places of each kind, at most a hundred, no two of a kind closer than the cutter's radius.
-        pub(super) places: Vec<PlaceAnswer> [max_items = 100],
+        /// Ra of the geometry, in um, at `residual_mm.p99` as a scallop height: 99 % of the area are smoother.
+        pub(super) ra_um: f64 [minimum = 0],
+        /// What is left with tooth marks of the worst phase, over the places where it is under ten times the tolerance. Absent
+        /// if teeth, spindle speed or a feed rate is not known.
+        pub(super) scallop_height_with_marks_mm?: ResidualAnswer,
+        /// The length of the moves at the feed rate that take nothing over a tenth of the tolerance off what the moves before
+        /// them left on the selected area. Moves near one that cuts count as cutting.
+        pub(super) idle_length_mm: f64 [minimum = 0],
+        /// The worst places of each kind, at most a hundred, no two of a kind closer than the cutter's radius; with `places` in
+        /// `include`, or without `include`.
+        pub(super) places?: Vec<PlaceAnswer> [max_items = 100],
+        /// The surface as a raster; with `map` in `include`.
+        pub(super) map?: PathMapAnswer,
+        /// The largest feeds that keep the tolerance; with `feeds` in `include`.
+        pub(super) feeds?: FeedsAnswer,
+        /// The program with the largest feeds; with `program` in `include`.
+        pub(super) program?: ProgramAnswer,
+        /// The reliability of the figures.
+        pub(super) confidence: ConfidenceAnswer,
         /// Facts that need attention.
         pub(super) warnings: Vec<Warning>,
     }
@@ -80,7 +102,8 @@ answer! {
         pub(super) point_mm: [f64; 3] [min_items = 3, max_items = 3],
         /// What is left there, negative in a cut; absent where it is uncut.
         pub(super) value_mm?: f64,
-        /// The index of the move that decides, from 0; absent where the place is uncut.
+        /// The index of a move, from 0: of a cut the one that cuts deepest, elsewhere the one that was to finish the place. Absent
+        /// where it is uncut.
         pub(super) r#move?: usize,
         /// The line of the program that states the move, from 1; absent for points.
         pub(super) line?: u32,
@@ -98,6 +121,8 @@ pub(super) enum PlaceCode {
     Gouge,
     /// More than the tolerance is left where the cutter can reach.
     OverTolerance,
+    /// Tooth marks leave more than the tolerance where the path itself does not: the feed of the move is too high.
+    FeedTooHigh,
     /// No move comes over a place that the cutter can reach.
     Uncut,
 }
@@ -108,6 +133,7 @@ impl From<FindingKind> for PlaceCode {
             FindingKind::Collision => Self::Collision,
             FindingKind::Gouge => Self::Gouge,
             FindingKind::OverTolerance => Self::OverTolerance,
+            FindingKind::FeedTooHigh => Self::FeedTooHigh,
             FindingKind::Uncut => Self::Uncut,
         }
     }

@@ -6,12 +6,11 @@ use crate::http::wire::PathPoints;
 use crate::path::program::{Dialect, Program, ProgramPoint, Reached, ReadSettings, read};
 use crate::quantity::Speed;
 use serde_json::value::RawValue;
-use std::collections::BTreeSet;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The most points of a path, arcs in chords.
-pub(super) const MOST_POINTS: usize = 1_000_000;
+pub(in crate::http) const MOST_POINTS: usize = 1_100_000;
 
 /// The distance in mm between an arc and its chords: a fiftieth of the smallest usual tolerance, 5 um.
 const SAGITTA: f64 = 1e-4;
@@ -19,12 +18,20 @@ const SAGITTA: f64 = 1e-4;
 /// The member `path`.
 pub(super) const PATH: Member<PathKind> = Member::new("path", "the path of the cutter: a program, or points", PathKind);
 
+/// A path, with the text of a program.
+#[derive(Debug, Clone)]
+pub(super) struct StatedPath {
+    pub(super) program: Program,
+    /// `None` for points.
+    pub(super) text: Option<String>,
+}
+
 members! {
     /// A path: a program, or points.
-    pub(super) struct PathMembers for PathKind ("Path", "A path of the tip: `program`, or `tip_mm` with its rapids and its feed rate") -> Program {
+    pub(super) struct PathMembers for PathKind ("Path", "A path of the tip: `program`, or `tip_mm` with its rapids and its feed rate") -> StatedPath {
         program: optional PROGRAM: ProgramText = ("program", ProgramText, "the text of a program in G-code, of APT statements, or of columns x, y, z and feed rate"),
         tip: optional TIP: PathPoints = ("tip_mm", PathPoints, "the tip's points [x, y, z] in their order"),
-        rapid: optional RAPID: List<Whole> = ("rapid", List { item: Whole { minimum: 1, maximum: 1_000_000, example: 2 },
+        rapid: optional RAPID: List<Whole> = ("rapid", List { item: Whole { minimum: 1, maximum: 1_100_000, example: 2 },
             about_item: "the index of a point, from 0", fewest: 0, most: MOST_POINTS }, "the points that are reached by a rapid move"),
         feed_rates: optional FEED_RATES: FeedRates = ("feed_rate_mm_min", FeedRates,
             "the feed rate of all moves, or one of the move to each point; absent = the machine's"),
@@ -32,7 +39,7 @@ members! {
 }
 
 impl PathMembers {
-    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Program, Faulted> {
+    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<StatedPath, Faulted> {
         let (program, tip, rapid, feed_rates) = (self.program?, self.tip?, self.rapid?, self.feed_rates?);
         match (program, tip) {
             (Some(_), _) if rapid.is_some() || feed_rates.is_some() => Err(faults.add(
@@ -64,7 +71,7 @@ impl PathMembers {
                 if let Some(first) = points.first_mut() {
                     first.reached = Reached::FromUnknown;
                 }
-                Ok(Program { dialect: Dialect::Columns, points })
+                Ok(StatedPath { program: Program { dialect: Dialect::Columns, points }, text: None })
             }
             (Some(_), Some(_)) => Err(faults.add(path, RequestFault::ConflictingFields, "give program or tip_mm")),
             (None, None) => Err(faults.add(path, RequestFault::MissingField, "give program or tip_mm")),
@@ -73,18 +80,19 @@ impl PathMembers {
 }
 
 fn stated_point(point: [f64; 3], feed_rate: Option<Speed>) -> ProgramPoint {
-    ProgramPoint { point, reached: Reached::Feed, feed_rate: feed_rate.map(Speed::mm_min), line: 0, tool: 0, spindle_speed: None }
+    let feed_rate = feed_rate.map(Speed::mm_min);
+    ProgramPoint { point, reached: Reached::Feed, feed_rate, line: 0, tool: 0, spindle_speed: None, feed_unit: 1.0 }
 }
 
 /// The text of a program. Its arcs become chords later, when the tolerance is known; what is wrong with it is found here.
 pub(super) struct ProgramText;
 
 impl Kind for ProgramText {
-    type Value = Program;
+    type Value = StatedPath;
 
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<Program, Faulted> {
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedPath, Faulted> {
         let program = text(raw, path, faults)?;
-        read_program(&program, &path, faults)
+        read_program(program, &path, faults)
     }
 
     fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
@@ -94,20 +102,15 @@ impl Kind for ProgramText {
 }
 
 /// A program, with its faults recorded at `path`.
-pub(super) fn read_program(text: &str, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Program, Faulted> {
-    let program = read(text, &ReadSettings { sagitta: SAGITTA, most_points: MOST_POINTS }).map_err(|found| {
+pub(super) fn read_program(text: String, path: &JsonPath<'_>, faults: &mut Faults) -> Result<StatedPath, Faulted> {
+    let program = read(&text, &ReadSettings { sagitta: SAGITTA, most_points: MOST_POINTS }).map_err(|found| {
         let mut faulted = Faulted;
         for fault in found {
             faulted = faults.add(path, RequestFault::FaultyProgram, fault);
         }
         faulted
     })?;
-    let tools: BTreeSet<u32> = program.points.iter().filter(|point| point.reached == Reached::Feed).map(|point| point.tool).collect();
-    if tools.len() > 1 {
-        let detail = format_args!("the program cuts with {} tools; send the part of one tool at a time", tools.len());
-        return Err(faults.add(path, RequestFault::FaultyProgram, detail));
-    }
-    Ok(program)
+    Ok(StatedPath { program, text: Some(text) })
 }
 
 /// One feed rate, or an array of them.

@@ -9,6 +9,7 @@ use crate::path::program::{Operation, WriteSettings, write_iso};
 use crate::planning::plan::Passes;
 use crate::quantity::SpindleSpeed;
 use serde_json::value::RawValue;
+use std::collections::HashSet;
 use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
@@ -34,7 +35,7 @@ members! {
         decimals: optional DECIMALS: Whole = ("decimals", Whole { minimum: 2, maximum: 6, example: 4 }, "the decimals of coordinates; absent = 4"),
         header: optional HEADER: List<Line> = ("header", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks at the beginning"),
         footer: optional FOOTER: List<Line> = ("footer", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks before M5 and M30"),
-        tool: optional TOOL: Whole = ("tool", Whole { minimum: 0, maximum: 999_999, example: 3 }, "the number of the tool call; absent = 1"),
+        tool: optional TOOL: Whole = ("tool", Whole { minimum: 0, maximum: 999_999, example: 3 }, "the number of the first tool call; further cutters of a plan of several operations follow; absent = 1"),
         spindle_speed: optional PROGRAM_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
             "the spindle speed of the program; absent = the cutter's, at most the machine's"),
         coolant: optional COOLANT: Flag = ("coolant", Flag, "whether coolant is on, M8; absent = false"),
@@ -83,32 +84,41 @@ impl Kind for Line {
 }
 
 answer! {
-    /// The recommended plan as a program.
+    /// A program.
     #[schema(as = Program)]
     pub(crate) struct ProgramAnswer {
-        /// The text: one tool call, G0 and G1 alone, modal words not repeated.
-        text: String,
-        /// The dialect of the text.
-        dialect: &'static str [example = "iso"],
+        /// The text. A plan has a tool call for each operation, G0 and G1 alone, and modal words are not repeated; a path's own program is
+        /// the same, byte for byte, but for its feed words.
+        pub(super) text: String,
+        /// The dialect of the text: `iso`, `apt` or `columns`.
+        pub(super) dialect: &'static str [example = "iso"],
     }
 }
 
 impl ProgramAnswer {
-    /// The program of a cutter's path.
-    pub(super) fn of(passes: &Passes, cutter: &NamedCandidate, machine: &Machine, options: &ProgramOptions) -> Option<Self> {
+    /// The program of a path. Its operations have these cutters, numbered from the first tool's number on, each cutter once.
+    pub(super) fn of(passes: &Passes, cutters: &[&NamedCandidate], machine: &Machine, options: &ProgramOptions) -> Option<Self> {
         let moves: Vec<Move> =
             passes.points.windows(2).map(|pair| Move { from: pair[0].tip, to: pair[1].tip, kind: pair[1].kind }).collect();
         let feed_rates: Vec<f64> = passes.points.iter().skip(1).map(|point| point.feed_rate.mm_min()).collect();
-        let own = cutter.candidate.drive.map(|drive| drive.spindle_speed.rpm());
         let most = machine.max_spindle_speed.map_or(f64::INFINITY, SpindleSpeed::rpm);
-        let spindle_speed = options.spindle_speed.map(SpindleSpeed::rpm).or(own.map(|own| own.min(most)));
-        let operation = Operation {
-            tool: options.tool.unwrap_or(1),
-            name: cutter.name.as_deref(),
-            spindle_speed,
-            moves: &moves,
-            feed_rates: &feed_rates,
+        let starts = &passes.operation_starts;
+        let operation = |index: usize| {
+            let cutter: &NamedCandidate = cutters[index];
+            let own = cutter.candidate.drive.map(|drive| drive.spindle_speed.rpm());
+            let first_with = cutters.iter().position(|other| std::ptr::eq(*other, cutter)).unwrap_or(index);
+            let before: HashSet<_> = cutters[..first_with].iter().map(|cutter| std::ptr::from_ref(*cutter)).collect();
+            // The move from the last point of an operation to the next one's first belongs to neither.
+            let end = starts.get(index + 1).map_or(moves.len(), |next| next - 1);
+            Operation {
+                tool: options.tool.unwrap_or(1) + u32::try_from(before.len()).unwrap_or_default(),
+                name: cutter.name.as_deref(),
+                spindle_speed: options.spindle_speed.map(SpindleSpeed::rpm).or(own.map(|own| own.min(most))),
+                moves: &moves[starts[index]..end],
+                feed_rates: &feed_rates[starts[index]..end],
+            }
         };
+        let operations: Vec<Operation> = (0..cutters.len().min(starts.len())).map(operation).collect();
         let settings = WriteSettings {
             inches: options.inches,
             number_lines: options.number_lines,
@@ -117,7 +127,7 @@ impl ProgramAnswer {
             footer: &options.footer,
             coolant: options.coolant,
         };
-        let text = write_iso(&[operation], &settings).ok()?;
+        let text = write_iso(&operations, &settings).ok()?;
         Some(Self { text, dialect: "iso" })
     }
 }

@@ -3,7 +3,7 @@
 use super::answer::RecommendationAnswer;
 use super::library::Libraries;
 use super::parameters::{CUTTERS, ParameterMembers, Parameters};
-use super::plan::Task;
+use super::plan_task::Task;
 use crate::budget::Job;
 use crate::cancellation::CancelFlag;
 use crate::http::document::described;
@@ -11,7 +11,7 @@ use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::{Problem, Problems};
 use crate::http::reading::{Components, ObjectSchema};
 use crate::http::wire::{MOST_CUTTERS, SURFACE};
-use crate::http::worker_pool::Work;
+use crate::http::work::Work;
 use crate::surface::MOST_FACETS;
 use utoipa::openapi::{RefOr, Schema};
 

@@ -6,7 +6,7 @@ use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{FACETS_NAME, PIECES_NAME};
 use crate::milling::Model;
 use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};
-use crate::planning::plan::{CandidateCutter, PlanSettings, Ranking, rank};
+use crate::planning::plan::{PlanSettings, Ranking, rank};
 use crate::surface::{MeshError, Shape};
 
 /// Records the fault of the surface at `path`.
@@ -29,7 +29,6 @@ pub(super) fn report(reason: NoMachinedSurface, path: &JsonPath<'_>, faults: &mu
 /// All candidates planned on a part.
 pub(super) struct Simulation {
     pub(super) settings: PlanSettings,
-    pub(super) candidates: Vec<CandidateCutter>,
     pub(super) ranking: Ranking,
 }
 
@@ -46,7 +45,7 @@ impl Simulation {
         let settings = parameters.settings(shape, model);
         let candidates: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate).collect();
         let ranking = rank(&machined.workpiece, &candidates, &settings, machined.evidence(), stop)?;
-        Some(Self { settings, candidates, ranking })
+        Some(Self { settings, ranking })
     }
 }
 

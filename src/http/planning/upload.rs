@@ -4,7 +4,7 @@
 use super::answer::RecommendationAnswer;
 use super::library::{LARGEST_LIBRARY, LIBRARY, Libraries};
 use super::parameters::{AVOID, ParameterMembers, Parameters};
-use super::plan::Task;
+use super::plan_task::Task;
 use super::recommendation::answer_to;
 use crate::budget::{Held, Job, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::{CancelFlag, CancelOnDrop};
@@ -14,11 +14,11 @@ use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
 use crate::http::document::described;
 use crate::http::json_body::{WrittenJson, read_text};
 use crate::http::metrics::Metrics;
-use crate::http::multipart::{Form, Head};
+use crate::http::multipart::{Head, MultipartForm};
 use crate::http::problem::{Problem, UploadProblems};
 use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectSchema};
 use crate::http::wire::{MOST_CUTTERS, SURFACE, SurfaceWithSource};
-use crate::http::worker_pool::Work;
+use crate::http::work::Work;
 use crate::surface::ReceivedSurface;
 use crate::surface::read::{self, Format, FormatHint, ReadError, Reader};
 use crate::tooling::ToolLibrary;
@@ -51,7 +51,7 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
         ObjectSchema::new(about, components).with::<ParameterMembers>().build()
     });
     let library = binary().description(Some(
-        "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them; if the zip has .fctl lists, only the tools named there are read) or CSV; its ball-end, bull-nose and flat cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
+        "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them; if the zip has .fctl lists, only the tools named there are read) or CSV; its finishing cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
     ));
     let libraries = ArrayBuilder::new().items(library).description(Some("tool libraries, a part for each"));
     let avoid = binary().description(Some(
@@ -74,7 +74,11 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
     request_body(content = UploadRequest, content_type = "multipart/form-data", encoding(("parameters" = (content_type = "application/json")))),
     responses((status = 200, description = "The recommendation, with all candidates", body = RecommendationAnswer), UploadProblems),
 )]
-pub(crate) async fn answer(work: Work, State(AppState { metrics, .. }): State<AppState>, mut form: Form) -> Result<WrittenJson, Problem> {
+pub(crate) async fn answer(
+    work: Work,
+    State(AppState { metrics, .. }): State<AppState>,
+    mut form: MultipartForm,
+) -> Result<WrittenJson, Problem> {
     let input = Job::Upload { bytes: form.stated_length().unwrap_or(u64::MAX) };
     let held = work.budget().take(input, LONGEST_WAIT_OF_PLAN).await?;
     let mut received = Received::read(&mut form, &work, &metrics).await?;
@@ -87,9 +91,9 @@ pub(crate) async fn answer(work: Work, State(AppState { metrics, .. }): State<Ap
 #[derive(Debug, Default)]
 struct Received {
     parameters: Option<Vec<u8>>,
-    surface: Option<Result<SurfaceWithSource, read::Fault>>,
+    surface: Option<Result<SurfaceWithSource, read::FileFault>>,
     /// The surface that is not cut.
-    avoid: Option<Result<SurfaceWithSource, read::Fault>>,
+    avoid: Option<Result<SurfaceWithSource, read::FileFault>>,
     libraries: Libraries,
     /// Faults of the form itself.
     faults: Vec<Fault>,
@@ -99,7 +103,7 @@ struct Received {
 
 impl Received {
     /// Reads the whole form, so that the answer lists the faults of all parts.
-    async fn read(form: &mut Form, work: &Work, metrics: &Metrics) -> Result<Self, Problem> {
+    async fn read(form: &mut MultipartForm, work: &Work, metrics: &Metrics) -> Result<Self, Problem> {
         let mut received = Self::default();
         while let Some(head) = form.next().await? {
             match head.name.as_deref() {
@@ -119,7 +123,7 @@ impl Received {
         Ok(received)
     }
 
-    async fn read_library(&mut self, form: &mut Form, file_name: Option<String>, work: &Work) -> Result<(), Problem> {
+    async fn read_library(&mut self, form: &mut MultipartForm, file_name: Option<String>, work: &Work) -> Result<(), Problem> {
         let bytes = read_small(form, LIBRARY, LARGEST_LIBRARY).await?;
         let cancel = CancelOnDrop::default();
         let cancelled = CancelFlag::clone(&cancel);
@@ -204,11 +208,11 @@ impl Received {
 /// Reads a part with a surface file on a thread of its own, to which the chunks of the body are passed as they
 /// arrive. The outer error is the form's, the inner one the file's.
 pub(super) async fn read_file(
-    form: &mut Form,
+    form: &mut MultipartForm,
     head: &Head,
     work: &Work,
     metrics: &Metrics,
-) -> Result<Result<SurfaceWithSource, read::Fault>, Problem> {
+) -> Result<Result<SurfaceWithSource, read::FileFault>, Problem> {
     let hint = FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref());
     let reader = Reader::new(hint).with_vertex_limit(MOST_VERTICES).with_package_vertex_limit(MOST_VERTICES_OF_A_PACKAGE);
     let reader = reader.with_archive_limit(LARGEST_ARCHIVE);
@@ -252,7 +256,7 @@ fn format_label(format: Format) -> &'static str {
 }
 
 /// Reads a part of up to `largest` bytes into memory.
-pub(super) async fn read_small(form: &mut Form, name: &str, largest: usize) -> Result<Vec<u8>, Problem> {
+pub(super) async fn read_small(form: &mut MultipartForm, name: &str, largest: usize) -> Result<Vec<u8>, Problem> {
     let mut bytes = Vec::new();
     while let Some(chunk) = form.chunk().await? {
         if bytes.len() + chunk.len() > largest {

@@ -46,6 +46,9 @@ pub(crate) struct Faults {
     listed: Vec<Fault>,
     unlisted: usize,
     left_out: usize,
+    /// The objects that were read, each with its pointer and the names that it may have. Of the objects in an array, only
+    /// the first.
+    objects: Vec<(String, Vec<&'static str>)>,
 }
 
 impl Default for Faults {
@@ -60,7 +63,7 @@ impl Faults {
 
     /// An empty list that will hold this many faults; further ones are counted.
     pub(crate) fn at_most(most_listed: usize) -> Self {
-        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0 }
+        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, objects: Vec::new() }
     }
 
     /// Records a fault and returns the proof of it.
@@ -93,6 +96,31 @@ impl Faults {
         self.left_out += count;
     }
 
+    /// Records the names that the object at `path` may have, for the faults of misplaced members.
+    pub(super) fn object_knows(&mut self, path: &JsonPath<'_>, names: Vec<&'static str>) {
+        if path.is_outer() {
+            self.objects.push((path.to_string(), names));
+        }
+    }
+
+    /// Replaces the texts of unknown members by those of `text`, which takes the pointer of the object and its known names.
+    pub(crate) fn name_others(&mut self, text: impl Fn(&str, &[&'static str]) -> String) {
+        let unknown = FaultCode::from(RequestFault::UnknownField);
+        for fault in self.listed.iter_mut().filter(|fault| fault.code == unknown) {
+            let object = fault.pointer.rsplit_once('/').map_or("", |(object, _)| object);
+            if let Some((_, names)) = self.objects.iter().find(|(place, _)| place == object) {
+                fault.detail = text(object, names);
+            }
+        }
+    }
+
+    /// Where a member that is unknown at `pointer` belongs: the pointer of another object that may have its name.
+    fn home_of(&self, pointer: &str) -> Option<&str> {
+        let (parent, name) = pointer.rsplit_once('/')?;
+        let home = self.objects.iter().find(|(place, names)| place != parent && names.contains(&name));
+        home.map(|(place, _)| place.as_str())
+    }
+
     /// The number of all faults, listed or not.
     pub(crate) fn count(&self) -> usize {
         self.listed.len() + self.unlisted + self.left_out
@@ -111,6 +139,19 @@ impl Faults {
 
     /// The listed faults. If others were only counted, a last entry states their number.
     pub(crate) fn into_listed(mut self) -> Vec<Fault> {
+        let unknown = FaultCode::from(RequestFault::UnknownField);
+        let mut listed = std::mem::take(&mut self.listed);
+        for fault in listed.iter_mut().filter(|fault| fault.code == unknown) {
+            if let Some(home) = self.home_of(&fault.pointer) {
+                let name = fault.pointer.rsplit('/').next().unwrap_or_default();
+                fault.detail = if home.is_empty() {
+                    format!("{name} belongs at the top of the request, not here")
+                } else {
+                    format!("{name} belongs in {}, not here", &home[1..])
+                };
+            }
+        }
+        self.listed = listed;
         if self.unlisted > 0 {
             let detail = format!("{} further faults are not listed", self.unlisted);
             self.listed.push(Fault::new(&JsonPath::Root, RequestFault::FurtherFaults, detail));
@@ -121,6 +162,14 @@ impl Faults {
     pub(crate) fn is_empty(&self) -> bool {
         self.listed.is_empty()
     }
+}
+
+/// The name that was probably meant by an unknown one: the one that fewest changes of a letter, two at most, turn it into.
+/// Two neighbouring letters in the wrong order are one change.
+pub(crate) fn nearest<'n>(unknown: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    let most = 2.min(unknown.chars().count() / 3);
+    let changes = known.map(|name| (strsim::osa_distance(unknown, name), name));
+    changes.filter(|(changes, _)| *changes <= most).min_by_key(|(changes, _)| *changes).map(|(_, name)| name)
 }
 
 /// Describes a JSON value for the detail of a fault.

@@ -9,7 +9,7 @@ use crate::quantity::{Angle, Length, OutOfRange};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};
-use utoipa::openapi::{RefOr, Schema};
+use utoipa::openapi::{Deprecated, RefOr, Schema};
 
 /// A number that becomes a quantity; its bounds come from the quantity's constructor.
 pub(crate) struct Quantity<T> {
@@ -31,6 +31,15 @@ impl<T> Quantity<T> {
     /// them.
     pub(crate) const fn down_to(self, minimum: f64, hint: &'static str) -> Self {
         Self { minimum: Some(minimum), hint, ..self }
+    }
+
+    /// The schema of its numbers.
+    fn number(&self, about: &str) -> ObjectBuilder {
+        let Err(OutOfRange { minimum, maximum }) = (self.of)(f64::NAN) else { unreachable!("NaN is not a quantity") };
+        // The limits of double precision are not bounds of the quantity.
+        let bound = |bound: f64| (bound.abs() < f64::MAX).then_some(bound);
+        let schema = ObjectBuilder::new().schema_type(Type::Number).description(description(about)).examples([self.example]);
+        schema.minimum(self.minimum.or(bound(minimum))).maximum(bound(maximum))
     }
 }
 
@@ -58,11 +67,22 @@ impl<T> Kind for Quantity<T> {
     }
 
     fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
-        let Err(OutOfRange { minimum, maximum }) = (self.of)(f64::NAN) else { unreachable!("NaN is not a quantity") };
-        // The limits of double precision are not bounds of the quantity.
-        let bound = |bound: f64| (bound.abs() < f64::MAX).then_some(bound);
-        let schema = ObjectBuilder::new().schema_type(Type::Number).description(description(about)).examples([self.example]);
-        schema.minimum(self.minimum.or(bound(minimum))).maximum(bound(maximum)).into()
+        self.number(about).into()
+    }
+}
+
+/// A quantity whose member has a newer name.
+pub(crate) struct Renamed<T>(pub(crate) Quantity<T>);
+
+impl<T> Kind for Renamed<T> {
+    type Value = T;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<T, Faulted> {
+        self.0.read(raw, path, faults)
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        self.0.number(about).deprecated(Some(Deprecated::True)).into()
     }
 }
 
@@ -119,7 +139,7 @@ pub(crate) struct Tuple<K, const N: usize> {
 pub(crate) type Vector = Tuple<Number, 3>;
 
 /// Two numbers of the same quantity.
-pub(crate) type Pair = Tuple<Quantity<f64>, 2>;
+pub(crate) type NumberPair = Tuple<Quantity<f64>, 2>;
 
 impl<K: Kind<Value = f64>, const N: usize> Kind for Tuple<K, N> {
     type Value = [f64; N];
@@ -219,12 +239,30 @@ pub(crate) fn number(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) ->
         return Err(faults.add(&path, RequestFault::NotFinite, format_args!("the number must be finite, found {token}")));
     }
     if !matches!(text.as_bytes()[0], b'-' | b'0'..=b'9') {
-        return Err(faults.add(&path, RequestFault::WrongType, format_args!("expected a number, found {}", describe(raw))));
+        let hint = if begins_with_a_number(text) { number_hint(path.name()) } else { "" };
+        return Err(faults.add(&path, RequestFault::WrongType, format_args!("expected a number, found {}{hint}", describe(raw))));
     }
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(faults.add(&path, RequestFault::OutOfRange, format_args!("the number must be finite, found {}", describe(raw)))),
     }
+}
+
+/// Whether a JSON text is a string that begins with a number, such as "0,5" or "0.5 in".
+fn begins_with_a_number(text: &str) -> bool {
+    text.strip_prefix('"')
+        .is_some_and(|text| text.trim_start_matches(['+', '-', '.', ' ']).starts_with(|first: char| first.is_ascii_digit()))
+}
+
+/// How the number of a member is written.
+fn number_hint(name: &str) -> &'static str {
+    const UNITS: &[(&str, &str)] = &[
+        ("_mm", "; write the length in mm as a plain number with a decimal point, such as 0.5"),
+        ("_deg", "; write the angle in degrees as a plain number with a decimal point, such as 0.5"),
+        ("_share", "; write the share as a plain number from 0 to 1 with a decimal point, such as 0.5 for 50 %"),
+    ];
+    let of_unit = UNITS.iter().find(|(unit, _)| name.ends_with(unit));
+    of_unit.map_or("; write a plain number with a decimal point, without a unit, such as 0.5; lengths are in mm", |(_, hint)| *hint)
 }
 
 /// Reads a string.

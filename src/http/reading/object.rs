@@ -1,6 +1,6 @@
 //! The reader of JSON objects. Callers take the members one by one; all faults are recorded.
 
-use super::{AnyMember, Faulted, Faults, JsonPath, Kind, Member, describe};
+use super::{AnyMember, Faulted, Faults, JsonPath, Kind, Member, describe, nearest};
 use crate::http::codes::RequestFault;
 use crate::json::JsonError;
 use serde::Deserialize;
@@ -64,6 +64,15 @@ impl<'a, 'p> Object<'a, 'p> {
         found
     }
 
+    /// All members, of an object whose names are free.
+    pub(crate) fn into_members(self, faults: &mut Faults) -> Result<Vec<(Cow<'a, str>, &'a RawValue)>, Faulted> {
+        if self.unkept > 0 {
+            let detail = format_args!("at most {MOST_MEMBERS} fields, found {}", self.members.len() + self.unkept);
+            return Err(faults.add(&self.path, RequestFault::TooManyFields, detail));
+        }
+        Ok(self.members)
+    }
+
     /// Takes a required member unparsed.
     pub(crate) fn required_raw<K>(&mut self, member: &Member<K>, faults: &mut Faults) -> Result<&'a RawValue, Faulted> {
         self.take(member.name, faults).ok_or_else(|| {
@@ -87,7 +96,7 @@ impl<'a, 'p> Object<'a, 'p> {
     }
 
     /// Takes a member to record its faults.
-    pub(super) fn check(&mut self, member: &dyn AnyMember, faults: &mut Faults) {
+    pub(crate) fn check(&mut self, member: &dyn AnyMember, faults: &mut Faults) {
         if let Some(raw) = self.take(member.name(), faults) {
             member.check(raw, self.path.member(member.name()), faults);
         }
@@ -114,12 +123,15 @@ impl<'a, 'p> Object<'a, 'p> {
         let known = if self.members.is_empty() { String::new() } else { self.known.join(", ") };
         for (index, (name, _)) in self.members.iter().enumerate() {
             let path = self.path.member(name);
-            result = Err(if index < MOST_WITH_KNOWN {
-                faults.add(&path, RequestFault::UnknownField, format_args!("unknown field; known here: {known}"))
-            } else {
-                faults.add(&path, RequestFault::UnknownField, "unknown field")
+            result = Err(match nearest(name, self.known.iter().copied()) {
+                Some(meant) => faults.add(&path, RequestFault::UnknownField, format_args!("unknown field; did you mean {meant}?")),
+                None if index < MOST_WITH_KNOWN => {
+                    faults.add(&path, RequestFault::UnknownField, format_args!("unknown field; known here: {known}"))
+                }
+                None => faults.add(&path, RequestFault::UnknownField, "unknown field"),
             });
         }
+        faults.object_knows(&self.path, self.known);
         result
     }
 }

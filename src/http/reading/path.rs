@@ -27,6 +27,24 @@ impl JsonPath<'_> {
         JsonPath::Item(self, index)
     }
 
+    /// Whether the path leads to the whole text, to one of its members, or to a member or the first item of that.
+    pub(crate) fn is_outer(&self) -> bool {
+        match self {
+            JsonPath::Root | JsonPath::Member(JsonPath::Root | JsonPath::Member(JsonPath::Root, _), _) => true,
+            JsonPath::Item(JsonPath::Member(JsonPath::Root, _), index) => *index == 0,
+            JsonPath::Member(..) | JsonPath::Item(..) | JsonPath::Row(..) => false,
+        }
+    }
+
+    /// The name of the innermost member.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            JsonPath::Root => "",
+            JsonPath::Member(_, name) => name,
+            JsonPath::Item(parent, _) | JsonPath::Row(parent, ..) => parent.name(),
+        }
+    }
+
     /// Writes the pointer up to the innermost column. Returns the row's index if it has not been written yet.
     fn write(&self, f: &mut fmt::Formatter<'_>) -> Result<Option<usize>, fmt::Error> {
         match self {

@@ -20,6 +20,11 @@ pub(crate) struct NamedCandidate {
     /// The preset of a tool library from which speed and feed were taken.
     pub(crate) preset: Option<String>,
     pub(crate) candidate: CandidateCutter,
+    /// The stated members of the drive that have no effect, because the drive is incomplete.
+    pub(crate) idle: Vec<&'static str>,
+    /// The number of teeth and the limit on the feed per tooth, also of a cutter without spindle speed.
+    pub(crate) teeth: Option<u32>,
+    pub(crate) max_feed_per_tooth: Option<Length>,
 }
 
 impl From<LibraryTool> for NamedCandidate {
@@ -28,7 +33,8 @@ impl From<LibraryTool> for NamedCandidate {
         let spindle_speed = tool.spindle_speed_rpm.and_then(|rpm| SpindleSpeed::from_rpm(rpm).ok());
         let drive = drive(tool.teeth, spindle_speed, tool.max_feed_per_tooth);
         let candidate = CandidateCutter { drive, flute_length: tool.flute_length, ..CandidateCutter::new(tool.cutter) };
-        Self { name: Some(tool.name), preset: tool.preset, candidate }
+        let LibraryTool { teeth, max_feed_per_tooth, .. } = tool;
+        Self { name: Some(tool.name), preset: tool.preset, candidate, teeth, max_feed_per_tooth, idle: Vec::new() }
     }
 }
 
@@ -39,7 +45,7 @@ fn drive(teeth: Option<u32>, spindle_speed: Option<SpindleSpeed>, max_feed_per_t
 
 members! {
     /// The optional members of a candidate, without its geometry.
-    struct CandidateMembers {
+    pub(crate) struct CandidateMembers {
         name: optional NAME: Name = ("name", Name, "a name for the cutter, which the answer repeats"),
         teeth: optional TEETH: Whole,
         spindle_speed: optional SPINDLE_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
@@ -63,20 +69,26 @@ impl Kind for CandidateKind {
         let members = CandidateMembers::read(&mut object, faults);
         object.close(faults)?;
         let CandidateMembers { name, teeth, spindle_speed, max_feed_per_tooth, flute_length } = members;
-        let drive = drive(teeth?, spindle_speed?, max_feed_per_tooth?);
+        let (teeth, spindle_speed, max_feed_per_tooth) = (teeth?, spindle_speed?, max_feed_per_tooth?);
+        let drive = drive(teeth, spindle_speed, max_feed_per_tooth);
+        let stated = [
+            (TEETH.name, teeth.is_some()),
+            (SPINDLE_SPEED.name, spindle_speed.is_some()),
+            (MAX_FEED_PER_TOOTH.name, max_feed_per_tooth.is_some()),
+        ];
+        let idle = stated.into_iter().filter(|(_, is_stated)| *is_stated && drive.is_none()).map(|(name, _)| name).collect();
         let candidate = CandidateCutter { drive, flute_length: flute_length?, ..CandidateCutter::new(cutter?) };
-        Ok(NamedCandidate { name: name?, preset: None, candidate })
+        Ok(NamedCandidate { name: name?, preset: None, candidate, teeth, max_feed_per_tooth, idle })
     }
 
     fn schema(&self, about: &str, components: &mut Components) -> RefOr<Schema> {
-        const ABOUT: &str = "A cutter to choose from, one of three kinds, discriminated by type";
-        let names = ["CandidateCutter", "ToroidalCandidate", "BallEndCandidate", "FlatEndCandidate"];
-        kinds_schema(names, ABOUT, &CandidateMembers::describe, about, components)
+        const ABOUT: &str = "A cutter to choose from, one of eight kinds, discriminated by type";
+        kinds_schema(("CandidateCutter", ABOUT), |shape| shape.names[1], &CandidateMembers::describe, about, components)
     }
 }
 
 /// A text of 1 to [`Name::LONGEST`] characters.
-struct Name;
+pub(crate) struct Name;
 
 impl Name {
     const LONGEST: usize = 100;

@@ -44,6 +44,13 @@ pub(crate) struct StatedContact {
     pub(super) slope_member: &'static str,
 }
 
+impl StatedContact {
+    /// The slope in degrees, if the contact is stated by angles.
+    pub(crate) fn stated_slope_deg(&self) -> Option<f64> {
+        (self.slope_member == SLOPE.name).then(|| self.contact.slope().degrees())
+    }
+}
+
 impl AngleMembers {
     fn contact(&self) -> Result<Result<StatedContact, ContactError>, Faulted> {
         let contact = Contact::from_degrees(self.slope?, self.feed_angle?);

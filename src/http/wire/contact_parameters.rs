@@ -17,7 +17,7 @@ pub(crate) const TOLERANCE: Member<Quantity<Length>> =
 members! {
     /// The members that apply to all contacts of a request.
     pub(crate) struct SharedMembers {
-        cutter: required CUTTER: AnyCutter = ("cutter", AnyCutter, "the cutter, one of three kinds, discriminated by type"),
+        cutter: required CUTTER: AnyCutter = ("cutter", AnyCutter, "the cutter, one of eight kinds, discriminated by type"),
         runout: optional RUNOUT: RunoutObject = ("runout", RunoutObject, "runout of the teeth, small compared with the feed per tooth; absent = none"),
         model: optional MODEL: Choice<Model>,
     }

@@ -2,7 +2,7 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, AnyMember, Components, Faulted, Faults, Form, JsonPath, Kind, Members, Object, Pair, Quantity, at_most_one, members,
+    AddMembers, AnyMember, Components, Faulted, Faults, Form, JsonPath, Kind, Members, NumberPair, Object, Quantity, at_most_one, members,
 };
 use crate::milling::{CurvatureOutOfRange, SurfaceCurvature};
 use crate::quantity::{Angle, OutOfRange};
@@ -39,7 +39,7 @@ members! {
 members! {
     /// A curvature by its principal curvatures.
     pub(super) struct PrincipalMembers {
-        principal: required PRINCIPAL: Pair = ("principal_per_mm", Pair { of: per_mm(0.012), example: [0.012, -0.005] },
+        principal: required PRINCIPAL: NumberPair = ("principal_per_mm", NumberPair { of: per_mm(0.012), example: [0.012, -0.005] },
             "the two principal curvatures, 1/radius: positive convex, negative concave"),
         angle: required PRINCIPAL_ANGLE: Quantity<Angle> = ("angle_deg", Quantity::new(Angle::from_degrees, 30.0),
             "angle from the feed to the first principal direction, counter-clockwise seen from outside"),

@@ -10,7 +10,7 @@ use utoipa::openapi::{RefOr, Schema};
 
 /// The member of `select` that lists pieces. The fault of an unknown piece points to it.
 pub(crate) const PIECES_NAME: &str = PIECES.name;
-/// The same for facets.
+/// The member of `select` that lists facets. The fault of an unknown facet points to it.
 pub(crate) const FACETS_NAME: &str = FACETS.name;
 
 members! {
@@ -83,7 +83,7 @@ impl Kind for Corner {
         point(raw, path, faults)
     }
 
-    fn schema(&self, _: &str, _: &mut Components) -> RefOr<Schema> {
-        point_schema()
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        point_schema().description(Some(about)).into()
     }
 }

@@ -3,7 +3,7 @@
 
 use super::envelope_check::Check;
 use crate::http::reading::Components;
-use crate::milling::{Contact, EvaluatedPass, NoAnswer, ScallopHeight};
+use crate::milling::{Contact, EvaluatedPass, ModelWarning, NoAnswer, ScallopHeight, ra_um};
 use crate::quantity::Length;
 use serde_json::Value;
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, OneOfBuilder, SchemaFormat, SchemaType, Type};
@@ -19,6 +19,7 @@ pub(crate) struct Figures {
     pub(crate) height: Option<Length>,
     /// h in its parts, if a figure of the answer needs them.
     parts: Option<ScallopHeight>,
+    largest_turn: f64,
     /// Along the surface.
     pub(crate) step_over: Length,
     /// `None` without tooth marks.
@@ -62,13 +63,14 @@ impl Figures {
             (Heights::Unused | Heights::Total, _) => None,
         };
         let height = match (parts, heights) {
-            (Some(parts), _) => Some(parts.total()),
+            (Some(parts), _) => Some(parts),
             (None, Heights::Unused) if pass.inverses_have_heights() => None,
             (None, _) => Some(pass.total_height(step_over, feed_per_tooth)?),
         };
         Ok(Self {
-            height,
+            height: height.map(ScallopHeight::total),
             parts,
+            largest_turn: height.map_or(0.0, ScallopHeight::largest_turn),
             step_over,
             feed_per_tooth,
             feed_rate_mm_min: None,
@@ -79,6 +81,11 @@ impl Figures {
             transverse_effective_radius: pass.transverse_effective_radius(),
             contact: pass.pass().contact,
         })
+    }
+
+    /// The warnings about the pass with these figures.
+    pub(crate) fn warnings(&self, pass: &EvaluatedPass) -> impl Iterator<Item = ModelWarning> + use<> {
+        pass.warnings(self.step_over, self.feed_per_tooth, self.largest_turn)
     }
 }
 
@@ -125,6 +132,10 @@ enum Presence {
 /// The figures in the answers of all calculations.
 pub(crate) const COMMON_FIGURES: &[Figure] = &[
     Figure::number("scallop_height_mm", "h, the scallop height", |figures| figures.height.map(Length::mm)).from(Heights::Total),
+    Figure::number("ra_um", "Ra of the geometry across the highest ridge, 0.2566 h, in um; real surfaces are rougher", |figures| {
+        figures.height.map(ra_um)
+    })
+    .from(Heights::Total),
     Figure::number("step_over_height_mm", "h1, the height that the step-over alone leaves", |figures| {
         figures.parts.map(|height| height.step_over.mm())
     })
@@ -217,6 +228,19 @@ impl Figure {
     /// Whether a batch's answer always has the column.
     pub(crate) fn is_required_column(&self) -> bool {
         !matches!(self.presence, Presence::Only(_))
+    }
+
+    /// The text of the warning that contacts with an answer do not have the figure.
+    pub(crate) fn absence(&self) -> String {
+        let name = self.name;
+        match self.presence {
+            Presence::Null(place) | Presence::Absent(place) => format!("{name} is null {place}"),
+            Presence::Only(_) if CHECK_FIGURES.iter().any(|check| check.name == name) => {
+                format!("{name} is null if the cutter's exact shape leaves no height to compare")
+            }
+            Presence::Only(place) => format!("{name} has values only {place}"),
+            Presence::Always => format!("{name} has no finite value"),
+        }
     }
 
     /// The schema of the figure in a single answer.

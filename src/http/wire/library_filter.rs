@@ -1,8 +1,9 @@
 //! The member `library_filter`: which cutters of tool libraries join those of the request.
 
-use super::cutter_object::Type;
+use super::cutter_object::KINDS;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, JsonPath, List, Quantity, Whole, members};
+use crate::milling::CutterKind;
 use crate::quantity::Length;
 use crate::tooling::LibraryTool;
 
@@ -11,7 +12,7 @@ use crate::tooling::LibraryTool;
 pub(crate) struct LibraryFilter {
     /// The smallest and the largest diameter.
     diameters: Option<[Length; 2]>,
-    types: Option<Vec<Type>>,
+    types: Option<Vec<CutterKind>>,
     numbers: Option<Vec<u32>>,
 }
 
@@ -22,7 +23,7 @@ impl LibraryFilter {
         // Diameters in inches are converted, so that the bounds may differ by a rounding.
         let is_between = |[least, most]: [Length; 2]| (least.mm() * (1.0 - 1e-9)..=most.mm() * (1.0 + 1e-9)).contains(&diameter);
         self.diameters.is_none_or(is_between)
-            && self.types.as_ref().is_none_or(|types| types.iter().any(|of_type| of_type.kind() == tool.cutter.kind()))
+            && self.types.as_ref().is_none_or(|types| types.contains(&tool.cutter.kind()))
             && self.numbers.as_ref().is_none_or(|numbers| tool.number.is_some_and(|number| numbers.contains(&number)))
     }
 }
@@ -33,8 +34,8 @@ members! {
         diameters: optional DIAMETERS: List<Quantity<Length>> = ("diameter_mm",
             List { item: Quantity::length(6.0), about_item: "a diameter", fewest: 2, most: 2 },
             "the smallest and the largest diameter"),
-        types: optional TYPES: List<Choice<Type>> = ("types",
-            List { item: Choice { name: None, words: Type::WORDS }, about_item: "a kind of cutter", fewest: 1, most: 4 },
+        types: optional TYPES: List<Choice<CutterKind>> = ("types",
+            List { item: Choice { name: None, words: KINDS }, about_item: "a kind of cutter", fewest: 1, most: KINDS.len() },
             "the kinds of cutters"),
         numbers: optional NUMBERS: List<Whole> = ("numbers",
             List { item: Whole { minimum: 0, maximum: 4_000_000_000, example: 7 }, about_item: "a tool's number", fewest: 1, most: 1000 },

@@ -17,7 +17,7 @@ pub(crate) fn no_answer(
 ) -> Fault {
     let in_contact = path.member(CONTACT.name);
     let path = match cause {
-        NoAnswer::FlatFloor => in_contact.member(contact.slope_member),
+        NoAnswer::FlatFloor | NoAnswer::StraightFlank | NoAnswer::TooSteep { .. } => in_contact.member(contact.slope_member),
         NoAnswer::PassesDoNotOverlap { .. } | NoAnswer::PassesCoincideFromAbove | NoAnswer::StepOverUsesUpTolerance { .. } => {
             path.member(step_over)
         }

@@ -91,10 +91,10 @@ impl Kind for Points {
 }
 
 /// The schema of one point.
-pub(super) fn point_schema() -> RefOr<Schema> {
+pub(super) fn point_schema() -> ArrayBuilder {
     let bound = LARGEST_COORDINATE;
     let coordinate = ObjectBuilder::new().schema_type(Type::Number).minimum(Some(-bound)).maximum(Some(bound));
-    ArrayBuilder::new().items(coordinate).min_items(Some(3)).max_items(Some(3)).into()
+    ArrayBuilder::new().items(coordinate).min_items(Some(3)).max_items(Some(3))
 }
 
 #[cfg(test)]

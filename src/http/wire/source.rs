@@ -4,7 +4,7 @@ use super::Warning;
 use super::unit_member::UNIT;
 use crate::http::codes::{RequestFault, WarningCode, same_names};
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::surface::read::{FarOutside, Format, Notes, Summary};
+use crate::surface::read::{FarOutside, Format, Notes, ReadSummary};
 use crate::surface::{Basis, ReceivedSurface, Shape, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -63,7 +63,7 @@ impl SurfaceWithSource {
     }
 
     /// A surface of a file.
-    pub(crate) fn of_file(mut surface: ReceivedSurface, summary: Summary) -> Self {
+    pub(crate) fn of_file(mut surface: ReceivedSurface, summary: ReadSummary) -> Self {
         surface.leave_out_duplicates();
         Self { surface, source: summary.format.into(), unit: summary.unit, notes: summary.notes }
     }

@@ -9,85 +9,100 @@
 //! cutter's circumference; the cutter's side is as long as the wall that it passes; passes are parallel; the surface is
 //! of the second order, so that changes of its curvature are left out.
 //!
-//! - `mod` (this file): the height to second order, by the fastest search that has it; `inverses`: largest step-over and
-//!   feed to second order; `length_search`: lengths by their heights
-//! - `closed_form`: plane floors and walls, ball-end cutters, sharp edges on planes
-//! - `newton`: the fast search on all unknowns at once, with a proof of the result; `proved`: the same, with `local` where
-//!   it does not converge; `clearing` and `runout`: with runout; `sharp_edge`: sharp edges on curved surfaces
-//! - `nested` and `section`: the general searches; `chord`: the search along the feed, which the other searches use
-//! - `concave`, `outline` and `local`: surfaces on which the section need not be convex
-//! - `body`: the cutter's solid over the surface
-//! - `turning_marks`: marks that have normals of their own on a curved surface; `turned_ridge`: the ridge between them;
-//!   `nearby`: the fast search for it where turns are small; `third_order`: the answers corrected by it
+//! - `body`: the cutter, placed at a mark by the surface's own normal there, and its distance from a point;
+//! - `marks`: which pairs of marks decide, with and without runout;
+//! - `ridge`: the fast search, Newton's method on all unknowns at once;
+//! - `search`: the sure search, nested and bracketed, wherever the fast one does not prove its result;
+//! - `mod` (this file): heights and both inverses.
 
-mod body;
-mod chord;
-mod clearing;
-mod closed_form;
-mod concave;
-mod inverses;
-mod length_search;
-mod local;
-mod nearby;
-mod nested;
-mod newton;
-mod outline;
-mod proved;
-mod runout;
-mod section;
-mod sharp_edge;
-mod smooth_bound;
-mod third_order;
-mod turned_pair;
-mod turned_ridge;
-mod turning_marks;
+mod cutter_body;
+mod marks;
+mod ridge;
+mod search;
+#[cfg(test)]
+mod tests;
 
 use super::gouging;
-use super::{Contact, Cutter, CutterKind, NoAnswer, Pass};
+use super::{Contact, Cutter, NoAnswer, Pass, Runout, ScallopHeight};
+use crate::numerics::bracketed_root;
 use crate::quantity::{Direction, Length};
-use body::Body;
-use clearing::Clearing;
-use newton::{Lengths, Ridge, Sought};
-use section::{Pattern, Section};
+use cutter_body::CutterBody;
+use marks::{MarkPattern, Which};
+use search::{Lengths, MarkPlaces, Outcome, Search, Sought};
+use std::convert::Infallible;
+use std::f64::consts::FRAC_PI_2;
 
-/// The share by which the largest length that is reported may be smaller than the largest that has a height on a curved
+/// The share by which the height at a largest length may differ from the tolerance.
+const MET: f64 = 1e-12;
+
+/// The share of a length within which a jump of the height is found.
+const JUMP: f64 = 1e-10;
+
+/// The share by which the largest length that a refusal states may be smaller than the largest that has a height on a curved
 /// surface.
-const MET: f64 = 0.01;
+const STATED: f64 = 0.01;
+
+/// The first and the largest ratio of the lengths between which the root of the height is sought.
+const FIRST_RATIO: f64 = 1.001;
+const LARGEST_RATIO: f64 = 2.0;
+
+/// The share of lengths that is left of those at which passes or marks only just overlap.
+const JUST_UNDER: f64 = 1.0 - 1e-9;
+
+/// By what share a pass between those of a ridge may leave more, and where such passes are tried, as shares of the step-over.
+const MORE: f64 = 1e-9;
+const BETWEEN: [f64; 4] = [0.12, 0.35, 0.65, 0.88];
+
+/// The number of steps in which the passes beside a place are tried.
+const MARCH: u8 = 24;
+
+/// The highest ridge, as a share of the lengths that bound it.
+const HIGHEST: f64 = 16.0;
 
 /// The envelope model at one contact. It covers every slope from 0 to 90 deg and every cutter.
 ///
-/// **Heights.** h is the lowest height at which the cutter's section parallel to the surface contains two chords along
-/// the feed, each as long as the distance of the tooth marks, and the step-over s apart. h1 is the same with chords of
-/// length 0, and the feed's part is h - h1. Both grow with s and with the feed.
+/// **Heights.** The stated contact is the place where the ridge is left. A mark leaves the height at which its body is
+/// entered along the stated normal there; a pass leaves at most the higher of what two neighbouring marks leave, in the worst
+/// phase of its teeth, and the lowest over where the pair lies; two passes s apart leave at most the lower of what each
+/// leaves, wherever they lie. h is the greatest of these, h1 is the same without marks, and the feed's part is h - h1. Both
+/// grow with s and with the feed by definition.
 ///
 /// **Overlap.** Seen from above, a pass clears a strip 2R wide, and the marks of the teeth are circles of radius R.
 /// With d the passes' distance and f the marks' distance seen from above, material stays uncut from top to bottom
 /// unless d^2 + f^2 <= 4 R^2; that is an error. For a feed along a wall, d is 0 for every s.
 ///
-/// **Curved surfaces.** Heights are measured from the surface 1/2 u'Ku below the tangent plane. The relative curvature
-/// of cutter and surface is then exact. To second order all marks have the normal of the stated contact; the answers
-/// place each mark by its own.
+/// **Curved surfaces.** Heights are measured from the surface 1/2 u'Ku below the tangent plane. h is the greater of two: that
+/// to second order, where all marks have the stated normal, and that where each mark has the surface's normal at its own
+/// contact. The second one can be the greater by a few percent under 10 deg. It can also be far less, on nearly level
+/// surfaces with a concave direction: where the normal turns by a part of the slope, the cutter would cut into the surface,
+/// and no mark lies there.
 ///
 /// **Runout.** Heights are measured from the surface that the deepest tooth touches, whose radius is R + |rr|. The
 /// shallowest tooth reaches delta = |rr| sin(S) + |ar| cos(S) less deep, and its mark is displaced along the slope, by up to
-/// |rr| cos(S) downwards and |ar| sin(S) upwards. A pass clears the offsets that a deep and a shallow mark clear in the worse
-/// order, and those that deep marks alone, z f_z apart, clear. A deep and a shallow mark are one feed per tooth and the
-/// displacement along the feed apart.
+/// |rr| cos(S) downwards and |ar| sin(S) upwards. A pass leaves the lower of what a deep and a shallow mark leave in the worse
+/// order, one feed per tooth and the displacement along the feed apart, and what deep marks alone, z f_z apart, leave.
 #[derive(Debug, Clone, Copy)]
 pub struct Envelope {
     pass: Pass,
-    cutter: Cutter,
-    body: Body,
+    outer_radius: f64,
+    /// With the stated normal at all marks.
+    body: CutterBody,
+    /// With the normals of a curved surface.
+    turned: Option<CutterBody>,
+    pattern: MarkPattern,
     climb: Direction,
-    /// delta, how much less deep the shallowest tooth reaches than the deepest.
-    drop: f64,
-    /// By how much runout lengthens the distance of neighbouring marks along the feed.
-    displacement: f64,
+    /// lambda.
     relative_curvature: f64,
-    /// The curvature of the groove relative to the surface, for first guesses.
-    groove_curvature: f64,
-    /// Whether the turning of the surface's normal changes the marks.
-    has_third_order: bool,
+    /// The cutter's curvature relative to the surface along the feed, across it and the twist, for first guesses.
+    curvature: [f64; 3],
+}
+
+/// A height and the ridge that has it.
+#[derive(Debug, Clone, Copy)]
+struct Height {
+    level: f64,
+    /// The turn of the normal at the ridge's marks.
+    turn: f64,
 }
 
 impl Envelope {
@@ -102,27 +117,31 @@ impl Envelope {
     /// The same; `None` if the cutter does not fit.
     pub(in crate::milling) fn fitting(pass: Pass) -> Option<Self> {
         let relative_curvature = gouging::relative_curvature(&pass)?;
-        let cutter = pass.cutter.widened(pass.runout.radial());
-        let body = Body::new(cutter, pass.contact, pass.surface);
-        let drop = pass.runout.depth(pass.contact.slope());
-        let displacement = pass.runout.displacement(pass.contact, pass.has_shallow_pairs());
-        let groove_curvature = body.relative_radii().across.recip();
-        if groove_curvature.is_nan() || groove_curvature <= 0.0 {
+        let cutter: Cutter = pass.cutter.widened(pass.runout.radial());
+        let turned = CutterBody::new(&cutter.profile(), pass.contact, pass.surface);
+        let body = turned.without_turns();
+        let [along, across, twist] = body.relative_curvature(pass.contact);
+        let definite = across * along - twist * twist;
+        if !pass.surface.is_plane() && (definite.is_nan() || definite <= 0.0) {
             // The relative curvature is a rounding error, and the cutter's radius that of the surface.
             return None;
         }
-        let has_third_order = third_order::has_third_order(&pass, &body);
         Some(Self {
             pass,
-            cutter,
+            outer_radius: cutter.outer_radius().mm(),
             body,
+            turned: turned.turns().then_some(turned),
+            pattern: MarkPattern::new(&pass),
             climb: pass.contact.climb(),
-            drop,
-            displacement,
             relative_curvature,
-            groove_curvature,
-            has_third_order,
+            curvature: [along, across, twist],
         })
+    }
+
+    /// The model to second order: all marks have the stated normal. An independent calculation needs no more of the surface.
+    #[must_use]
+    pub fn without_turns(self) -> Self {
+        Self { turned: None, ..self }
     }
 
     pub(super) fn pass(&self) -> &Pass {
@@ -134,107 +153,385 @@ impl Envelope {
         self.relative_curvature
     }
 
-    /// Whether the section at the height p is known to be convex.
-    fn is_convex_up_to(&self, p: f64) -> bool {
-        !self.body.is_concave() || self.body.is_convex_up_to(p)
-    }
-
-    /// The number of teeth.
-    fn teeth(&self) -> f64 {
-        self.pass.teeth.map_or(2.0, |teeth| f64::from(teeth.get()))
-    }
-
-    /// The largest distance of neighbouring marks at a feed per tooth; at most that of the deepest tooth's own marks.
-    fn mark_spacing(&self, feed_per_tooth: f64) -> f64 {
-        (feed_per_tooth + self.displacement).min(self.teeth() * feed_per_tooth).max(feed_per_tooth)
-    }
-
-    /// The feed per tooth of a distance of neighbouring marks, the inverse of [`Envelope::mark_spacing`].
-    fn feed_per_tooth(&self, mark_spacing: f64) -> f64 {
-        (mark_spacing - self.displacement).max(mark_spacing / self.teeth())
-    }
-
-    /// The marks at a distance of neighbouring ones.
-    fn pattern(&self, spacing: f64) -> Pattern {
-        let deep_spacing = self.teeth() * self.feed_per_tooth(spacing);
-        Pattern { spacing, deep_spacing, drop: self.drop, shallow_pairs: self.pass.has_shallow_pairs() }
-    }
-
-    /// The marks of a feed per tooth; none without a feed.
-    fn pattern_of(&self, feed_per_tooth: Option<Length>) -> Pattern {
-        feed_per_tooth.map_or(Pattern::even(0.0), |feed| self.pattern(self.mark_spacing(feed.mm())))
-    }
-
-    /// The ridge by the fast search; `None` if its result is not proved, or cannot be because of a sharp edge or a
-    /// wall.
-    fn quickly(&self, lengths: Lengths, sought: Sought) -> Option<Ridge> {
-        if self.is_quick(lengths.mark_spacing) { proved::solve(&self.body, sought, lengths, [Clearing::EVEN; 2]) } else { None }
-    }
-
-    /// Whether a sharp edge without marks cuts a concave surface, in which case `sharp_edge` finds the ridge.
-    fn is_sharp_on_concave(&self, mark_spacing: f64) -> bool {
-        mark_spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd && self.body.is_concave()
-    }
-
-    /// Whether the fast search can converge. It cannot on plane floors and walls, where the section's edges are
-    /// straight along the feed, nor for a sharp edge without marks.
-    fn is_quick(&self, mark_spacing: f64) -> bool {
-        let (slope, sharp) = (self.contact().slope(), self.cutter.kind() == CutterKind::FlatEnd);
-        let is_straight = self.pass.surface.is_plane() && (slope.sin() == 0.0 || slope.cos() == 0.0);
-        !(is_straight || sharp && mark_spacing == 0.0)
-    }
-
-    /// h for passes s apart with a pattern of marks, both in the tangent plane; `None` if there is none, for the reason in
-    /// [`Envelope::no_height`].
-    fn height(&self, s: f64, pattern: Pattern) -> Option<f64> {
-        if self.is_in_reach(s, pattern.spacing) { self.level(s, pattern) } else { None }
-    }
-
-    /// Whether passes s apart with marks f apart overlap seen from above, at a step-over at which grooves can meet.
-    fn is_in_reach(&self, s: f64, f: f64) -> bool {
-        s <= self.largest_step_over(0.0) && self.overlap(s, f)
-    }
-
-    /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the
-    /// limit, up to a few rounding errors.
-    fn overlap(&self, s: f64, f: f64) -> bool {
-        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
-        let diameter = 2.0 * self.cutter.outer_radius().mm() * (1.0 + 16.0 * f64::EPSILON);
-        across * across + along * along <= diameter * diameter
-    }
-
-    /// h for passes and marks that overlap seen from above; `None` if no height clears s, which can happen on a curved
-    /// surface.
-    fn level(&self, s: f64, pattern: Pattern) -> Option<f64> {
-        let f = pattern.spacing;
-        if !pattern.is_even() {
-            let on_floor_or_wall = self.level_on_floor_or_wall(s, &pattern).map(QuickLevel::exact);
-            return self.checked_level(s, pattern, on_floor_or_wall.or_else(|| self.quick_level_with_runout(s, &pattern)));
-        }
-        if self.pass.surface.is_plane()
-            && let Some(closed) = self.closed_form(s, f)
-        {
-            return Some(closed);
-        }
-        let lengths = Lengths { level: self.guess(s, pattern), step_over: s, mark_spacing: f };
-        let quick = if self.is_sharp_on_concave(f) {
-            sharp_edge::level(&self.body, s).map(QuickLevel::exact)
-        } else {
-            self.quickly(lengths, Sought::Level).map(|ridge| QuickLevel::of(&ridge))
-        };
-        self.checked_level(s, pattern, quick)
-    }
-
-    /// The result of a fast search if the section is known to be convex; otherwise h by the search that also checks it.
-    fn checked_level(&self, s: f64, pattern: Pattern, quick: Option<QuickLevel>) -> Option<f64> {
-        match quick {
-            Some(QuickLevel { level, .. }) if self.is_convex_up_to(level) => Some(level),
-            quick => self.searched_level(s, pattern, quick),
-        }
-    }
-
     fn contact(&self) -> Contact {
         self.pass.contact
+    }
+
+    /// h1 and h for a step-over along the surface and a feed per tooth; `None` leaves no marks.
+    ///
+    /// # Errors
+    /// [`NoAnswer::PassesDoNotOverlap`], [`NoAnswer::MarksDoNotOverlap`].
+    pub fn scallop_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<ScallopHeight, NoAnswer> {
+        let feed = feed_per_tooth.map_or(0.0, Length::mm);
+        let alone = self.height(step_over.mm(), 0.0).ok_or_else(|| self.no_height(step_over.mm(), feed))?;
+        if feed_per_tooth.is_none() {
+            let level = Length::computed(alone.level);
+            return Ok(ScallopHeight::of_total(level, level).with_turn(alone.turn));
+        }
+        self.height_above(Length::computed(alone.level), step_over, feed_per_tooth)
+    }
+
+    /// h1.
+    pub(super) fn step_over_height(&self, step_over: Length) -> Result<Length, NoAnswer> {
+        self.total_height(step_over, None)
+    }
+
+    /// h alone.
+    pub(super) fn total_height(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        Ok(Length::computed(self.ridge(step_over, feed_per_tooth)?.level))
+    }
+
+    /// [`Envelope::scallop_height`] for a step-over that alone leaves `step_over_height`.
+    pub(super) fn height_above(
+        &self,
+        step_over_height: Length,
+        step_over: Length,
+        feed_per_tooth: Option<Length>,
+    ) -> Result<ScallopHeight, NoAnswer> {
+        let total = self.ridge(step_over, feed_per_tooth)?;
+        Ok(ScallopHeight::of_total(step_over_height, Length::computed(total.level)).with_turn(total.turn))
+    }
+
+    /// The largest feed per tooth that keeps `tolerance` on h at a step-over along the surface.
+    ///
+    /// # Errors
+    /// - [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`];
+    /// - those of the step-over in [`Envelope::scallop_height`].
+    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
+        self.max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over)
+    }
+
+    /// The largest feed per tooth beside a step-over that alone leaves `step_over_height`.
+    pub(super) fn max_feed_per_tooth_above(
+        &self,
+        step_over_height: Length,
+        tolerance: Length,
+        step_over: Length,
+    ) -> Result<Length, NoAnswer> {
+        let (p, s) = (tolerance.mm(), step_over.mm());
+        let used_up = || {
+            let max_step_over = self.max_step_over(tolerance, None)?;
+            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
+        };
+        if step_over_height >= tolerance {
+            return used_up();
+        }
+        let largest = self.pattern.feed_per_tooth(self.largest_spacing(s));
+        if largest < Length::SMALLEST {
+            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest) });
+        }
+        let [along, across, _] = self.groove();
+        // The heights of parabolas add up.
+        let spacing = (8.0 * (p - step_over_height.mm()).max(p * 1e-6).min(p - across * s * s / 8.0).max(p * 1e-6) / along).sqrt();
+        let guess = Lengths { level: p, step_over: s, feed: self.pattern.feed_per_tooth(spacing) };
+        match self.solve(Sought::Feed, guess, largest) {
+            Outcome::At(feed) if feed >= Length::SMALLEST => Ok(Length::computed(feed)),
+            Outcome::Above => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
+            Outcome::At(_) | Outcome::Below => used_up(),
+        }
+    }
+
+    /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
+    ///
+    /// # Errors
+    /// - [`NoAnswer::FeedUsesUpTolerance`] if even passes [`Length::SMALLEST`] apart exceed the tolerance;
+    /// - [`NoAnswer::MarksDoNotOverlap`];
+    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one exceeds the tolerance.
+    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
+        let (p, feed) = (tolerance.mm(), feed_per_tooth.map_or(0.0, Length::mm));
+        let spacing = self.pattern.spacing(feed);
+        let largest = self.largest_step_over(spacing);
+        if largest < Length::SMALLEST {
+            return Err(self.no_height(Length::SMALLEST, feed));
+        }
+        let [along, across, _] = self.groove();
+        let left = (p - along * spacing * spacing / 8.0).max(p * 1e-6);
+        let guess = Lengths { level: p, step_over: (8.0 * left / across).sqrt().min(largest), feed };
+        match self.solve(Sought::StepOver, guess, largest) {
+            Outcome::At(step_over) if step_over >= Length::SMALLEST => Ok(Length::computed(step_over)),
+            Outcome::Above => Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) }),
+            Outcome::At(_) | Outcome::Below => {
+                let feed_height = self.height(Length::SMALLEST, feed).ok_or_else(|| self.no_height(Length::SMALLEST, feed))?;
+                Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height.level.max(p)) })
+            }
+        }
+    }
+
+    fn ridge(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Height, NoAnswer> {
+        let (s, feed) = (step_over.mm(), feed_per_tooth.map_or(0.0, Length::mm));
+        self.height(s, feed).ok_or_else(|| self.no_height(s, feed))
+    }
+
+    /// h for passes s apart with a feed per tooth; `None` if there is none, for the reason in [`Envelope::no_height`].
+    fn height(&self, s: f64, feed: f64) -> Option<Height> {
+        if !(s <= self.largest_step_over(0.0) && self.overlap(s, self.pattern.spacing(feed))) {
+            return None;
+        }
+        if let Some(level) = self.height_of_ball(s, feed) {
+            return Some(Height { level, turn: 0.0 });
+        }
+        let height = self.height_of(&self.body, s, feed)?;
+        let turned = self.turned.as_ref().map_or(Some(height), |turned| self.height_of(turned, s, feed))?;
+        Some(if turned.level > height.level { turned } else { height })
+    }
+
+    /// R - sqrt(R^2 - (s^2 + f_z^2)/4), the height that a ball leaves on a plane where its side does not cut: the marks touch the
+    /// ridge with normals that are asin(sqrt(s^2 + f_z^2)/(2R)) from that of the plane.
+    fn height_of_ball(&self, s: f64, feed: f64) -> Option<f64> {
+        let is_plain = self.pass.surface.is_plane() && self.pass.runout == Runout::NONE;
+        let share = s.hypot(feed) / (2.0 * self.outer_radius);
+        let is_round = is_plain && self.body.is_ball() && self.contact().slope().radians() + share.min(1.0).asin() < FRAC_PI_2;
+        // Without cancellation: 1 - sqrt(1 - q^2) = q^2 / (1 + sqrt(1 - q^2)).
+        is_round.then(|| self.outer_radius * share * share / (1.0 + ((1.0 - share) * (1.0 + share)).sqrt()))
+    }
+
+    fn height_of(&self, body: &CutterBody, s: f64, feed: f64) -> Option<Height> {
+        let guess = Lengths { level: self.guess(s, feed), step_over: s, feed };
+        // No ridge is higher than the cutter is wide and its marks are apart, and the surface falls by no more over these lengths.
+        let highest = HIGHEST * (self.outer_radius + s + self.pattern.spacing(feed));
+        let found = |level: f64, places: &MarkPlaces| {
+            let lengths = Lengths { level, ..guess };
+            if level > 0.0 && !self.clears_across(body, &lengths, places) {
+                return self.first_ridge(body, lengths, highest);
+            }
+            Some(Height { level, turn: self.turn(places, s, feed) })
+        };
+        if let Some(ridge) = self.quickly(body, Sought::Level, guess)
+            && self.clears_between(body, &ridge)
+        {
+            return found(ridge.lengths.level, &ridge.places);
+        }
+        let search = |guess: Lengths| {
+            let mut places = self.places(&guess);
+            match self.search(body).solve(Sought::Level, guess, body.rounding(), highest, &mut places) {
+                Outcome::At(level) => found(level, &places),
+                Outcome::Below => found(0.0, &places),
+                Outcome::Above => None,
+            }
+        };
+        // Where the circles seen from above only just touch, rounding decides whether they do.
+        search(guess).or_else(|| search(Lengths { step_over: s * JUST_UNDER, feed: feed * JUST_UNDER, ..guess }))
+    }
+
+    /// Whether passes that lie between those of a ridge clear the place too. On a convex surface they do. Where the surface is
+    /// concave, passes can clear a place from afar that others between them do not. Marks with normals of their own are not held
+    /// to this: near level ones none may lie between.
+    fn clears_across(&self, body: &CutterBody, lengths: &Lengths, places: &MarkPlaces) -> bool {
+        if body.turns() || self.pass.surface.principal_per_mm()[1] >= 0.0 {
+            return true;
+        }
+        let Lengths { level, step_over, feed } = *lengths;
+        let marks = self.pattern.marks(feed);
+        let level = level * (1.0 + MORE) + body.rounding();
+        let distance = marks.pairs()[0].distance;
+        BETWEEN.iter().all(|share| {
+            let c = places.c - share * step_over;
+            let mut x = [0, 1, 2].map(|pair| places.x[0][pair] + share * (places.x[1][pair] - places.x[0][pair]));
+            // The marks half-way between those of the ridge clear it, or others do.
+            let is_cleared = |x: f64| body.gap(x, c, level).value <= 0.0;
+            is_cleared(x[0]) && is_cleared(x[0] + distance)
+                || self.search(body).pass_gap(&marks, step_over + distance, &mut x, c, level) <= 0.0
+        })
+    }
+
+    /// The height up to which all passes from one offset to that of the next pass clear the place.
+    fn first_ridge(&self, body: &CutterBody, lengths: Lengths, highest: f64) -> Option<Height> {
+        let Lengths { level: least, step_over, feed } = lengths;
+        let (marks, search) = (self.pattern.marks(feed), self.search(body));
+        let stride = (step_over + marks.pairs()[0].distance) / 4.0;
+        let centred = || {
+            let mut places = self.places(&Lengths { step_over: 0.0, ..lengths });
+            places.c = 0.0;
+            places
+        };
+        // The first offset on one side of the pass that clears the most at which a pass does not clear the place down to p.
+        let end = |middle: &MarkPlaces, sign: f64, p: f64| {
+            let (mut x, mut cleared) = (middle.x[0], 0.0);
+            let gap_at = |aside: f64, x: &mut [f64; 3]| search.pass_gap(&marks, stride, x, middle.c + sign * aside, p);
+            for step in 0..=MARCH {
+                let aside = step_over * f64::from(step) / f64::from(MARCH);
+                let mut next = x;
+                if gap_at(aside, &mut next) > 0.0 {
+                    if step > 0 {
+                        let Ok(root) = bracketed_root(cleared, aside, |aside| Ok::<_, Infallible>(gap_at(aside, &mut x)));
+                        cleared = root;
+                    }
+                    break;
+                }
+                (x, cleared) = (next, aside);
+            }
+            (cleared, x)
+        };
+        let ends = |p: f64| {
+            let mut middle = centred();
+            search.centre(&Lengths { level: p, ..lengths }, &mut middle);
+            (middle.c, end(&middle, 1.0, p), end(&middle, -1.0, p))
+        };
+        let spare = |p: f64| {
+            let (_, near, far) = ends(p);
+            near.0 + far.0 - step_over
+        };
+        let (mut low, mut high) = (least, least);
+        while spare(high) < 0.0 {
+            if high > highest {
+                return None;
+            }
+            (low, high) = (high, 2.0 * high);
+        }
+        let level = if high > least {
+            let Ok(level) = bracketed_root(low, high, |p| Ok::<_, Infallible>(spare(p)));
+            level
+        } else {
+            least
+        };
+        let (middle, near, far) = ends(level);
+        let places = MarkPlaces { x: [near.1, far.1], c: middle + near.0 };
+        Some(Height { level, turn: self.turn(&places, step_over, feed) })
+    }
+
+    /// How much the surface's normal turns from the stated contact to a ridge's marks; see [`ScallopHeight::largest_turn`].
+    fn turn(&self, places: &MarkPlaces, s: f64, feed: f64) -> f64 {
+        let Some(turned) = &self.turned else { return 0.0 };
+        let marks = self.pattern.marks(feed);
+        let turn = |pass: usize, c: f64| {
+            let ends = marks.pairs().iter().zip(places.x[pass]).flat_map(|(pair, x)| [x, x + pair.distance]);
+            ends.map(move |x| turned.turn(x, c)).fold(0.0, f64::max)
+        };
+        turn(0, places.c).max(turn(1, places.c - s))
+    }
+
+    /// Whether marks half-way between those of the ridge clear the place too. Where the surface is concave, both can lie on either
+    /// side of a part of the surface that keeps those between away.
+    fn clears_between(&self, body: &CutterBody, ridge: &ridge::Ridge) -> bool {
+        let Lengths { level, step_over, feed } = ridge.lengths;
+        let clears = |x: f64, c: f64| body.gap(x + self.pattern.spacing(feed) / 2.0, c, level).value <= 0.0;
+        let MarkPlaces { x: [near, far], c } = ridge.places;
+        let is_even = self.pattern.choices(true).len() == 1;
+        self.pass.surface.is_plane() || feed == 0.0 || !is_even || clears(near[0], c) && clears(far[0], c - step_over)
+    }
+
+    /// The largest length at which h is at most a tolerance, by the fast search or the sure one. On a curved surface a height
+    /// confirms it, or the root of the height is sought beside it.
+    #[expect(clippy::float_cmp, reason = "a length that is held to its bound is the bound")]
+    fn solve(&self, sought: Sought, guess: Lengths, largest: f64) -> Outcome {
+        let excess = |length: f64| {
+            let lengths = guess.with(sought, length);
+            let height = self.height(lengths.step_over, lengths.feed)?;
+            let excess = height.level / guess.level - 1.0;
+            Some(if excess.abs() <= MET { 0.0 } else { excess })
+        };
+        let is_plane = self.pass.surface.is_plane();
+        let is_right = |length: f64| is_plane || excess(length) == Some(0.0);
+        for body in self.bodies() {
+            let quick = self.quickly(body, sought, guess).map(|ridge| ridge.lengths.get(sought));
+            if let Some(length) = quick.filter(|length| *length <= largest && is_right(*length)) {
+                return Outcome::At(length);
+            }
+        }
+        let smallest = guess.with(sought, Length::SMALLEST);
+        let least = Lengths { level: self.guess(smallest.step_over, smallest.feed), ..smallest };
+        if self.quickly(&self.body, Sought::Level, least).is_some_and(|ridge| ridge.lengths.level > guess.level) {
+            return Outcome::Below;
+        }
+        let sure = self.search(&self.body).solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess));
+        let start = match sure {
+            // Where passes or marks only just overlap, rounding decides.
+            Outcome::At(length) if length > largest * JUST_UNDER && excess(largest).is_some_and(|excess| excess <= 0.0) => {
+                return Outcome::Above;
+            }
+            Outcome::At(length) if !is_right(length) => length,
+            Outcome::Above if !is_plane => largest,
+            Outcome::Below if !is_plane => Length::SMALLEST,
+            right => return right,
+        };
+        let mut ratio = FIRST_RATIO;
+        let (mut kept, mut exceeds) = (0.0_f64, f64::INFINITY);
+        let mut keeps = |length: f64| {
+            // Lengths at which passes or marks do not meet leave everything.
+            let excess = excess(length).unwrap_or(f64::MAX);
+            if excess <= 0.0 {
+                kept = kept.max(length);
+            } else {
+                exceeds = exceeds.min(length);
+            }
+            // Where the height jumps over the tolerance.
+            if kept > 0.0 && exceeds - kept <= JUMP * kept { 0.0 } else { excess }
+        };
+        let mut value = start.clamp(Length::SMALLEST, largest);
+        let is_over = keeps(value) > 0.0;
+        let mut end = value;
+        loop {
+            let bound = if is_over { Length::SMALLEST } else { largest };
+            if end == bound {
+                return if is_over { Outcome::Below } else { Outcome::Above };
+            }
+            value = end;
+            end = (if is_over { end / ratio } else { end * ratio }).clamp(Length::SMALLEST, largest);
+            if (keeps(end) > 0.0) != is_over {
+                break;
+            }
+            ratio = (ratio * ratio).min(LARGEST_RATIO);
+        }
+        let Ok(_) = bracketed_root(value.min(end), value.max(end), |length| Ok::<_, Infallible>(keeps(length)));
+        Outcome::At(kept)
+    }
+
+    /// The bodies of which the one that leaves more decides.
+    fn bodies(&self) -> impl Iterator<Item = &CutterBody> {
+        self.turned.iter().chain([&self.body])
+    }
+
+    fn search<'a>(&'a self, body: &'a CutterBody) -> Search<'a> {
+        Search { body, pattern: &self.pattern, is_convex: self.pass.surface.is_plane(), is_thorough: false }
+    }
+
+    /// The ridge by the fast search. With runout the deepest marks and the others have ridges of their own, of which the fast
+    /// search finds one: it counts if the other one is no better.
+    fn quickly(&self, body: &CutterBody, sought: Sought, guess: Lengths) -> Option<ridge::Ridge> {
+        let stride = guess.step_over + self.pattern.spacing(guess.feed);
+        let solve = |pattern: &MarkPattern| ridge::solve(body, pattern, stride, sought, guess, self.places(&guess));
+        let ridge = solve(&self.pattern)?;
+        if self.pattern.marks(ridge.lengths.feed).pairs().len() > 1 {
+            let others = if ridge.by == Which::Deepest { Which::Neighbours } else { Which::Deepest };
+            let [one, other] = [&ridge, &solve(&self.pattern.only(others))?].map(|ridge| ridge.lengths.get(sought));
+            let is_better = if sought == Sought::Level { other < one } else { other > one };
+            if is_better {
+                return None;
+            }
+        }
+        Some(ridge)
+    }
+
+    /// The curvatures of the groove's bottom along the feed, and across it where the marks have moved along; and by how much
+    /// they move.
+    fn groove(&self) -> [f64; 3] {
+        let [along, across, twist] = self.curvature;
+        let along = along.max(1e-9);
+        let lean = twist / along;
+        [along, (across - twist * lean).max(1e-9), lean]
+    }
+
+    /// An approximation of h: the sum of the parabolas' heights, of which each is at most that of a half circle.
+    fn guess(&self, s: f64, feed: f64) -> f64 {
+        let [along, across, _] = self.groove();
+        let spacing = self.pattern.even_spacing(feed, along);
+        let parabola = |curvature: f64, length: f64| length / 4.0 * (curvature * length / 2.0).min(1.0);
+        (parabola(across, s) + parabola(along, spacing)).min(self.outer_radius / 4.0)
+    }
+
+    /// Where marks and passes lie on paraboloids.
+    fn places(&self, lengths: &Lengths) -> MarkPlaces {
+        let [_, _, lean] = self.groove();
+        let marks = self.pattern.marks(lengths.feed);
+        let half = lengths.step_over / 2.0;
+        let x = [half, -half].map(|c| {
+            let mut x = [0.0; 3];
+            for (x, pair) in x.iter_mut().zip(marks.pairs()) {
+                *x = -lean * c - pair.distance / 2.0;
+            }
+            x
+        });
+        MarkPlaces { x, c: half }
     }
 
     /// d/s, the ratio of the passes' distance seen from above to that along the surface: cos(S) / cos(climb). Seen from
@@ -244,136 +541,55 @@ impl Envelope {
         if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos().abs() / self.climb.cos() }
     }
 
-    /// An approximation of h, from which a search starts: the parabola of the groove, and along the feed the parabola
-    /// of radius R. Near the floor the groove's parabola is less than h. From below, Newton's steps rise monotonically;
-    /// from far above they would overshoot.
-    fn guess(&self, s: f64, pattern: Pattern) -> f64 {
-        let outer = self.cutter.outer_radius().mm();
-        let f = self.even_spacing(&pattern);
-        // Above the whole cutter there is no section.
-        let parabola = s * s / 8.0 * self.groove_curvature.min(2.0 / s) + f * f / (8.0 * outer);
-        let guess = if self.pass.surface.is_plane() { parabola.min(self.guess_on_flat(s, f)) } else { parabola };
-        guess.min(outer / 4.0)
+    /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the
+    /// limit, up to a few rounding errors.
+    fn overlap(&self, s: f64, f: f64) -> bool {
+        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
+        let diameter = 2.0 * self.outer_radius * (1.0 + 16.0 * f64::EPSILON);
+        across * across + along * along <= diameter * diameter
     }
 
-    /// An approximation of h near a plane floor. There the rectangle between four marks lies on the flat, whose height at
-    /// the furthest corner counts, or beyond it on the corner's round.
-    fn guess_on_flat(&self, s: f64, f: f64) -> f64 {
-        let (slope, theta) = (self.contact().slope(), self.contact().theta());
-        let steep = s * theta.sin().abs() + f * theta.cos().abs() + 0.1 * (s + f);
-        let beyond_flat = (s.hypot(f) - 2.0 * self.cutter.core_radius().mm()).max(0.0);
-        slope.sin() * steep + beyond_flat * beyond_flat / (8.0 * self.cutter.corner_radius().mm().max(f64::MIN_POSITIVE))
-    }
-
-    /// An approximation of the distance at which marks of equal depth leave the same height. Circles of radius P, f apart
-    /// and with every second one raised by delta, meet as if they were f + 2 P delta / f apart.
-    fn even_spacing(&self, pattern: &Pattern) -> f64 {
-        if pattern.is_even() {
-            return pattern.spacing;
-        }
-        pattern.deep_spacing.min(pattern.spacing + 2.0 * self.cutter.corner_radius().mm() * pattern.drop / pattern.spacing)
-    }
-
-    /// A height that clears passes s apart on a plane; infinity on other surfaces, and if passes and marks do not overlap
-    /// seen from above, or if a deep mark meets a shallow one, which is displaced along the slope.
-    ///
-    /// The rectangle between four marks, centred under the cutter's axis and seen from above, lies in the circle of
-    /// radius R. Its corners are in the body if they are not below the upper end of the corner's round, which is r
-    /// cos(S) above the contact. At the height p, a corner a + r sin(S) + c from the contact along the steepest line is
-    /// (p - sin(S) (a + r sin(S) + c)) / cos(S) above it. With the largest c this gives p = r + sin(S) (a + c). A
-    /// shallow mark needs delta more.
-    fn ceiling(&self, s: f64, pattern: &Pattern) -> f64 {
-        let is_mixed = !pattern.is_even() && !pattern.shallow_pairs;
-        if is_mixed || !self.pass.surface.is_plane() || !self.overlap(s, pattern.spacing) {
-            return f64::INFINITY;
-        }
-        let (contact, core) = (self.contact(), self.cutter.core_radius().mm());
-        let (across, along) = (s * self.spacing_ratio(), pattern.spacing * self.climb.cos());
-        let furthest = f64::midpoint(across * contact.alpha().sin().abs(), along * contact.alpha().cos().abs());
-        let drop = if pattern.is_even() { 0.0 } else { pattern.drop };
-        self.cutter.corner_radius().mm() + contact.slope().sin() * (core + furthest) + drop
-    }
-
-    /// h by the general searches, or on a concave surface by the outline, which checks what the fast search found.
-    fn searched_level(&self, s: f64, pattern: Pattern, quick: Option<QuickLevel>) -> Option<f64> {
-        if self.body.is_concave() {
-            return self.level_on_concave(s, pattern, quick);
-        }
-        // Most ridges of a sharp edge without marks lie between points of the edge.
-        let is_sharp = pattern.spacing == 0.0 && self.cutter.kind() == CutterKind::FlatEnd;
-        let guess = if is_sharp { sharp_edge::level(&self.body, s) } else { None }.unwrap_or_else(|| self.guess(s, pattern));
-        let section = || Section::new(&self.body, pattern, 2.0 * s).level(s, guess, self.ceiling(s, &pattern));
-        let level = self.nested_level(s, &pattern, guess).unwrap_or_else(section);
-        Some(level).filter(|level| *level <= Length::LARGEST)
-    }
-
-    /// The reason why passes s apart with marks f apart have no height: they do not overlap seen from above, or on a curved
+    /// The reason why passes s apart with a feed per tooth have no height: they do not overlap seen from above, or on a curved
     /// surface the grooves or the marks do not meet.
-    fn no_height(&self, s: f64, f: f64) -> NoAnswer {
-        if f == 0.0 || self.height(s, Pattern::even(0.0)).is_none() {
+    fn no_height(&self, s: f64, feed: f64) -> NoAnswer {
+        if feed == 0.0 || self.height(s, 0.0).is_none() {
             // With a feed at which no passes overlap, the feed is the next thing to change.
-            let with_marks = Some(self.largest_met_step_over(f)).filter(|step_over| f > 0.0 && *step_over >= Length::SMALLEST);
+            let with_marks = Some(self.largest_met_step_over(feed)).filter(|step_over| feed > 0.0 && *step_over >= Length::SMALLEST);
             let largest_step_over = with_marks.unwrap_or_else(|| self.largest_met_step_over(0.0));
             return NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(largest_step_over) };
         }
-        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(self.feed_per_tooth(self.largest_met_spacing(s))) }
+        let largest = self.pattern.feed_per_tooth(self.largest_spacing(s));
+        let met = if self.pass.surface.is_plane() { largest } else { largest_met(largest, |feed| self.height(s, feed).is_some()) };
+        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(met) }
     }
 
-    /// The largest step-over at which passes with marks f apart meet; on a curved surface one that is smaller by at most
-    /// [`MET`].
-    fn largest_met_step_over(&self, f: f64) -> f64 {
-        let overlapping = self.largest_step_over(f);
+    /// The largest step-over at which passes with a feed per tooth meet; on a curved surface one that is smaller by at most
+    /// [`STATED`].
+    fn largest_met_step_over(&self, feed: f64) -> f64 {
+        let overlapping = self.largest_step_over(self.pattern.spacing(feed));
         if self.pass.surface.is_plane() {
-            return overlapping;
+            overlapping
+        } else {
+            // An answer has both heights.
+            largest_met(overlapping, |s| [feed, 0.0].into_iter().all(|feed| self.height(s, feed).is_some()))
         }
-        let without_marks = Pattern::even(0.0);
-        let pattern = if f == 0.0 { without_marks } else { self.pattern(f) };
-        // An answer has both heights. That without marks can be missing alone, because it is searched in another way.
-        largest_met(overlapping, |s| [pattern, without_marks].into_iter().all(|pattern| self.height(s, pattern).is_some()))
-    }
-
-    /// The same of the distances of marks that meet in passes s apart.
-    fn largest_met_spacing(&self, s: f64) -> f64 {
-        let overlapping = self.largest_spacing(s);
-        if self.pass.surface.is_plane() {
-            return overlapping;
-        }
-        largest_met(overlapping, |spacing| self.height(s, self.pattern(spacing)).is_some())
     }
 
     /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved
     /// surface. It is reduced by a rounding error, so that it is itself in the domain, and is at most the largest
     /// accepted length.
     fn largest_step_over(&self, f: f64) -> f64 {
-        let on_plane = largest_leg(2.0 * self.cutter.outer_radius().mm(), f * self.climb.cos(), self.spacing_ratio());
+        let on_plane = largest_leg(2.0 * self.outer_radius, f * self.climb.cos(), self.spacing_ratio());
         on_plane.min(2.0 / self.pass.surface.across_per_mm().abs())
     }
 
     /// The distance up to which marks overlap, seen from above, in passes s apart.
     fn largest_spacing(&self, s: f64) -> f64 {
-        largest_leg(2.0 * self.cutter.outer_radius().mm(), s * self.spacing_ratio(), self.climb.cos())
+        largest_leg(2.0 * self.outer_radius, s * self.spacing_ratio(), self.climb.cos())
     }
 }
 
-/// The height that a fast search found.
-#[derive(Debug, Clone, Copy)]
-struct QuickLevel {
-    level: f64,
-    /// As in [`Ridge`].
-    is_exact: bool,
-}
-
-impl QuickLevel {
-    fn of(ridge: &Ridge) -> Self {
-        Self { level: ridge.lengths.level, is_exact: ridge.is_exact }
-    }
-
-    fn exact(level: f64) -> Self {
-        Self { level, is_exact: true }
-    }
-}
-
-/// The largest length, at most `length`, that has a height, to [`MET`]: 0 if none has down to the smallest.
+/// The largest length, at most `length`, that has a height, to [`STATED`]: 0 if none has down to the smallest.
 fn largest_met(length: f64, has_height: impl Fn(f64) -> bool) -> f64 {
     if has_height(length) {
         return length;
@@ -389,7 +605,7 @@ fn largest_met(length: f64, has_height: impl Fn(f64) -> bool) -> f64 {
         }
         high = low;
     };
-    while high - low > MET * high {
+    while high - low > STATED * high {
         let middle = f64::midpoint(low, high);
         if has_height(middle) { low = middle } else { high = middle }
     }
@@ -402,6 +618,3 @@ fn largest_leg(hypotenuse: f64, leg: f64, ratio: f64) -> f64 {
     let room = ((hypotenuse - leg) * (hypotenuse + leg)).max(0.0).sqrt();
     (room / ratio * (1.0 - 4.0 * f64::EPSILON)).min(Length::LARGEST)
 }
-
-#[cfg(test)]
-mod tests;

@@ -6,7 +6,7 @@ mod refusals;
 mod searches;
 
 use super::*;
-use crate::milling::{Runout, ScallopHeight, SurfaceCurvature};
+use crate::milling::{ScallopHeight, SurfaceCurvature};
 use crate::quantity::Angle;
 use proptest::prelude::*;
 
@@ -56,11 +56,25 @@ fn quarter_turn() -> impl Strategy<Value = f64> {
     prop_oneof![1 => Just(0.0), 8 => 0.0..90.0_f64, 1 => Just(90.0)]
 }
 
-/// The height by the general search, even if the model has a closed form.
-fn searched(envelope: &Envelope, s: f64, f: f64) -> f64 {
-    Section::new(&envelope.body, Pattern::even(f), 2.0 * s).level(
-        s,
-        envelope.guess(s, Pattern::even(f)),
-        envelope.ceiling(s, &Pattern::even(f)),
-    )
+/// Heights in mm for lengths in mm.
+impl Envelope {
+    fn at(&self, s: f64, f: f64) -> Option<f64> {
+        self.height(s, f).map(|height| height.level)
+    }
+
+    /// The height by the sure search, even where the fast one has an answer.
+    fn searched(&self, s: f64, f: f64) -> f64 {
+        let guess = Lengths { level: self.guess(s, f), step_over: s, feed: f };
+        match self.search(&self.body).solve(Sought::Level, guess, self.body.rounding(), Length::LARGEST, &mut self.places(&guess)) {
+            Outcome::At(level) => level,
+            Outcome::Below => 0.0,
+            Outcome::Above => f64::INFINITY,
+        }
+    }
+}
+
+/// P - sqrt(P^2 - c^2/4) without cancellation: the height between circles of radius P at the distance c <= 2P.
+fn circle_height(radius: f64, chord: f64) -> f64 {
+    let ratio = chord / (2.0 * radius);
+    chord / 2.0 * ratio / (1.0 + ((1.0 - ratio) * (1.0 + ratio)).sqrt())
 }

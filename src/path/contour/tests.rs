@@ -1,7 +1,7 @@
 //! Waterlines and borders against closed forms, and against the drop-cutter beside their chords.
 
 use super::*;
-use crate::path::tips_between;
+use crate::path::{Sampling, tips_between};
 use approx::assert_abs_diff_eq;
 use std::f64::consts::TAU;
 
@@ -41,6 +41,11 @@ fn waves() -> DropCutter {
     };
     let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
     quads(&cells.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]).collect::<Vec<_>>())
+}
+
+/// The waterlines at these levels.
+fn waterlines(drop: &DropCutter, profile: &Profile, levels: &[f64], area: &Area) -> Vec<Vec<Contour>> {
+    LevelMap::new(drop, profile, area, &|| false).waterlines(levels, TOLERANCE, &|| false)
 }
 
 fn square(half: f64, cell: f64) -> Area {
@@ -90,7 +95,7 @@ fn the_foot_of_a_pockets_walls_is_the_rectangle_offset_by_the_radius() {
         (touch.height <= 1e-9).then_some(Tip { position: [x, y, touch.height], touch: Some(touch) })
     };
     let foot = borders(&on_floor, &square(12.0, 0.7), TOLERANCE, &|| false);
-    let lines = waterlines(&drop, &flat, &[0.0, 2.0], &square(12.0, 0.7), TOLERANCE, &|| false);
+    let lines = waterlines(&drop, &flat, &[0.0, 2.0], &square(12.0, 0.7));
     for contours in [&foot, &lines[0], &lines[1]] {
         assert_eq!(contours.len(), 1);
         assert!(contours[0].closed);
@@ -110,7 +115,7 @@ fn a_waterline_around_a_round_boss_is_its_circle_offset_by_the_radius() {
     let drop = turned(&[[9.0, 0.0], [4.0, 0.0], [4.0, 6.0], [0.0, 6.0]], n);
     // The boss is a polygon, inside the circle by 4 (1 - cos(pi/720)) = 4e-5.
     for profile in [Profile::torus(2.0, 0.0), Profile::torus(2.0, 0.5), Profile::torus(2.0, 2.0)] {
-        let lines = waterlines(&drop, &profile, &[1.0], &square(9.0, 0.5), TOLERANCE, &|| false);
+        let lines = waterlines(&drop, &profile, &[1.0], &square(9.0, 0.5));
         assert_eq!(lines[0].len(), 1);
         assert!(lines[0][0].closed);
         // The free side is outside, on the left: clockwise.
@@ -128,7 +133,7 @@ fn waterlines_of_a_cone_are_circles() {
     let drop = turned(&[[10.0, -10.0 * slope.tan()], [0.0, 0.0]], 1440);
     let ball = Profile::torus(1.5, 1.5);
     let levels = [-2.0, -5.0, -8.0];
-    let lines = waterlines(&drop, &ball, &levels, &square(12.0, 0.4), TOLERANCE, &|| false);
+    let lines = waterlines(&drop, &ball, &levels, &square(12.0, 0.4));
     for (level, contours) in levels.iter().zip(&lines) {
         assert_eq!(contours.len(), 1);
         // On a plane of this slope the tip is R (1/cos S - 1) over it, measured at the axis.
@@ -144,7 +149,7 @@ fn waterlines_of_a_cone_are_circles() {
 fn beside_every_chord_of_a_waterline_t_is_lower_on_its_left_and_higher_on_its_right() {
     let drop = waves();
     for profile in [Profile::torus(2.0, 2.0), Profile::torus(3.0, 1.0), Profile::torus(2.0, 0.0)] {
-        let lines = waterlines(&drop, &profile, &[0.7, 1.3], &square(20.0, 0.4), TOLERANCE, &|| false);
+        let lines = waterlines(&drop, &profile, &[0.7, 1.3], &square(20.0, 0.4));
         let height = |x: f64, y: f64| drop.drop(&profile, x, y, None).unwrap().height;
         for (level, contours) in [0.7, 1.3].iter().zip(&lines) {
             assert!(contours.len() > 5);
@@ -181,7 +186,7 @@ fn the_border_of_a_region_on_waves_keeps_to_their_heights() {
 #[test]
 fn curves_that_leave_the_area_are_open() {
     let drop = quads(&[[[-9.0, -9.0, -9.0], [9.0, -9.0, 9.0], [9.0, 9.0, 9.0], [-9.0, 9.0, -9.0]]]);
-    let lines = waterlines(&drop, &Profile::torus(1.0, 0.0), &[0.0], &square(5.0, 0.3), TOLERANCE, &|| false);
+    let lines = waterlines(&drop, &Profile::torus(1.0, 0.0), &[0.0], &square(5.0, 0.3));
     // z = x, so that T = x + 1.
     let [line] = &lines[0][..] else { panic!("{}", lines[0].len()) };
     assert!(!line.closed);
@@ -205,6 +210,6 @@ fn two_regions_that_meet_at_a_saddle_are_both_bounded() {
 fn a_line_to_the_foot_ends_on_it() {
     let drop = pocket([10.0, 7.0]);
     let flat = Profile::torus(2.0, 0.0);
-    let line = tips_between(&drop, &flat, [0.0, 0.0], [12.0, 0.0], TOLERANCE, None);
+    let line = tips_between(&drop, &flat, [0.0, 0.0], [12.0, 0.0], &Sampling::fine(&flat, TOLERANCE), None);
     assert!((line[1].position[0] - 8.0).abs() < 1e-4);
 }

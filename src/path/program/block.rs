@@ -3,7 +3,7 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded before the conversion")]
 
 use super::collected::Collected;
-use super::faults::FaultKind;
+use super::program_faults::ProgramFaultKind;
 
 /// A letter with its number.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,20 +41,20 @@ pub(super) fn words(line: &str, number: u32, collected: &mut Collected, words: &
             ';' => return,
             '(' => {
                 let Some(end) = rest.find(')') else {
-                    collected.fault(number, FaultKind::Comment, rest);
+                    collected.fault(number, ProgramFaultKind::Comment, rest);
                     return;
                 };
                 rest = &rest[end + 1..];
             }
             '#' | '[' => {
-                collected.fault(number, FaultKind::Macro, rest);
+                collected.fault(number, ProgramFaultKind::Macro, rest);
                 return;
             }
             letter if letter.is_ascii_alphabetic() => {
                 let letter = letter.to_ascii_uppercase();
                 let after = rest[1..].trim_start();
                 if after.starts_with(['#', '[', '<']) {
-                    collected.fault(number, FaultKind::Macro, rest);
+                    collected.fault(number, ProgramFaultKind::Macro, rest);
                     return;
                 }
                 let (value, length) = number_at_start(after);
@@ -68,7 +68,7 @@ pub(super) fn words(line: &str, number: u32, collected: &mut Collected, words: &
                 }
             }
             _ => {
-                collected.fault(number, FaultKind::UnknownWord, rest);
+                collected.fault(number, ProgramFaultKind::UnknownWord, rest);
                 return;
             }
         }
@@ -87,14 +87,14 @@ fn number_at_start(text: &str) -> (Option<f64>, usize) {
 }
 
 /// What a word without a number is.
-fn kind_of_text(text: &str) -> FaultKind {
+fn kind_of_text(text: &str) -> ProgramFaultKind {
     let word: String = text.chars().take_while(char::is_ascii_alphabetic).collect::<String>().to_ascii_uppercase();
     match word.as_str() {
-        "IF" | "WHILE" | "DO" | "GOTO" | "END" | "SUB" | "ENDSUB" | "CALL" | "REPEAT" | "FOR" | "DEF" | "PROC" => FaultKind::Macro,
-        "BEGIN" | "TOOL" | "BLK" | "FMAX" | "CC" | "CYCL" | "LBL" | "L" => FaultKind::Heidenhain,
-        "TRANS" | "ROT" | "AROT" | "SCALE" | "MIRROR" | "ATRANS" => FaultKind::Transformation,
-        _ if word.starts_with("CYCLE") => FaultKind::Cycle,
-        _ if word.len() > 1 => FaultKind::UnknownWord,
-        _ => FaultKind::Number,
+        "IF" | "WHILE" | "DO" | "GOTO" | "END" | "SUB" | "ENDSUB" | "CALL" | "REPEAT" | "FOR" | "DEF" | "PROC" => ProgramFaultKind::Macro,
+        "BEGIN" | "TOOL" | "BLK" | "FMAX" | "CC" | "CYCL" | "LBL" | "L" => ProgramFaultKind::Heidenhain,
+        "TRANS" | "ROT" | "AROT" | "SCALE" | "MIRROR" | "ATRANS" => ProgramFaultKind::Transformation,
+        _ if word.starts_with("CYCLE") => ProgramFaultKind::Cycle,
+        _ if word.len() > 1 => ProgramFaultKind::UnknownWord,
+        _ => ProgramFaultKind::Number,
     }
 }

@@ -5,8 +5,8 @@
 use super::arc::{Arc, Centre};
 use super::block::{Word, words};
 use super::collected::Collected;
-use super::faults::FaultKind;
-use super::points::{ProgramPoint, Reached};
+use super::program_faults::ProgramFaultKind;
+use super::program_points::{ProgramPoint, Reached};
 
 /// How axis words without another code move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +48,8 @@ struct Block {
     reference: bool,
     dwell: bool,
     tool_change: bool,
+    /// A word of it is refused: its other words may belong to that one.
+    refused: bool,
     first_of_arc: Option<Word>,
 }
 
@@ -69,7 +71,7 @@ pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
     let mut block = Vec::new();
     for (line, number) in text.lines().zip(1..) {
         words(line, number, collected, &mut block);
-        if state.run(&block, number, sagitta, collected) {
+        if state.run(&block, number, sagitta, collected) || collected.is_full() {
             break;
         }
     }
@@ -101,8 +103,10 @@ impl State {
                 // Offset numbers, and the parameters of a dwell and of path control.
                 'G' | 'H' | 'D' | 'P' | 'Q' | 'S' | 'E' => {}
                 'X' | 'U' if block.dwell => {}
-                'A' | 'B' | 'C' | 'U' | 'V' | 'W' => collected.fault(line, FaultKind::Axis, word.to_string()),
-                _ => collected.fault(line, FaultKind::UnknownWord, word.to_string()),
+                'A' | 'B' | 'C' | 'U' | 'V' | 'W' => collected.fault(line, ProgramFaultKind::Axis, word.to_string()),
+                // The parameters of a refused word need no fault of their own.
+                _ if block.refused => {}
+                _ => collected.fault(line, ProgramFaultKind::UnknownWord, word.to_string()),
             }
         }
         if block.tool_change {
@@ -115,7 +119,6 @@ impl State {
     }
 
     fn g(&mut self, word: Word, block: &mut Block, line: u32, collected: &mut Collected) {
-        let mut fault = |kind| collected.fault(line, kind, word.to_string());
         let motion = match word.tenths() {
             Some(0) => Some(Motion::Rapid),
             Some(10) => Some(Motion::Straight),
@@ -125,12 +128,31 @@ impl State {
         };
         if motion.is_some() {
             if block.motion.is_some() && block.motion != motion {
-                fault(FaultKind::Conflict);
+                collected.fault(line, ProgramFaultKind::Conflict, word.to_string());
             }
             (block.motion, self.motion) = (motion, motion);
             return;
         }
-        match word.tenths() {
+        let refused = match word.tenths() {
+            Some(930) => ProgramFaultKind::InverseTimeFeed,
+            Some(50..=53 | 60..=63) => ProgramFaultKind::Spline,
+            Some(730 | 740 | 760 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890) => ProgramFaultKind::Cycle,
+            Some(650 | 660 | 670) => ProgramFaultKind::Macro,
+            Some(100 | 160 | 410..=421 | 431 | 432 | 434 | 440 | 510 | 520 | 680..=682 | 920..=923) => ProgramFaultKind::Transformation,
+            known => {
+                if self.set(known, block) {
+                    return;
+                }
+                ProgramFaultKind::UnknownWord
+            }
+        };
+        block.refused = true;
+        collected.fault(line, refused, word.to_string());
+    }
+
+    /// Sets what a G word sets that is followed or leaves the geometry as it is; false if it is not known.
+    fn set(&mut self, tenths: Option<i32>, block: &mut Block) -> bool {
+        match tenths {
             Some(40) => block.dwell = true,
             Some(170) => self.plane = [0, 1, 2],
             Some(180) => self.plane = [2, 0, 1],
@@ -147,13 +169,9 @@ impl State {
             // Compensation off, length compensation, polar coordinates off, scaling off, work offsets, exact stop and path
             // control, rotation off, cycle off, return levels: the geometry stays.
             Some(90 | 150 | 400 | 430 | 490 | 500 | 540..=593 | 610 | 611 | 640 | 690 | 800 | 970 | 980 | 990) => {}
-            Some(930) => fault(FaultKind::InverseTimeFeed),
-            Some(50..=53 | 60..=63) => fault(FaultKind::Spline),
-            Some(730 | 740 | 760 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890) => fault(FaultKind::Cycle),
-            Some(650 | 660 | 670) => fault(FaultKind::Macro),
-            Some(100 | 160 | 410..=421 | 431 | 432 | 434 | 440 | 510 | 520 | 680..=682 | 920..=923) => fault(FaultKind::Transformation),
-            _ => fault(FaultKind::UnknownWord),
+            _ => return false,
         }
+        true
     }
 
     /// True at the end of the program.
@@ -162,8 +180,8 @@ impl State {
             Some(20 | 300) => return true,
             Some(60) => block.tool_change = true,
             Some(0 | 10 | 30 | 40 | 50 | 70 | 80 | 90 | 190 | 480 | 490 | 600) => {}
-            Some(970..=990) => collected.fault(line, FaultKind::Macro, word.to_string()),
-            _ => collected.fault(line, FaultKind::UnknownWord, word.to_string()),
+            Some(970..=990) => collected.fault(line, ProgramFaultKind::Macro, word.to_string()),
+            _ => collected.fault(line, ProgramFaultKind::UnknownWord, word.to_string()),
         }
         false
     }
@@ -184,19 +202,20 @@ impl State {
         if !((0..3).any(moved) || is_arc && block.first_of_arc.is_some()) {
             return;
         }
-        let Some(motion) = self.motion else {
-            collected.fault(line, FaultKind::UnknownWord, "axes without G0, G1, G2 or G3,");
+        if self.motion.is_none() && !block.refused {
+            collected.fault(line, ProgramFaultKind::UnknownWord, "axes without G0, G1, G2 or G3,");
             return;
-        };
+        }
         let before = self.position;
         for axis in 0..3 {
             if let Some(value) = block.axes[axis] {
                 self.position[axis] = if self.absolute { Some(value) } else { self.position[axis].map(|at| at + value) };
             }
         }
+        let Some(motion) = self.motion.filter(|_| !block.refused) else { return };
         let [Some(x), Some(y), Some(z)] = self.position else {
             if motion != Motion::Rapid {
-                collected.fault(line, FaultKind::UnknownPosition, "the block");
+                collected.fault(line, ProgramFaultKind::UnknownPosition, "the block");
             }
             return;
         };
@@ -209,7 +228,7 @@ impl State {
         let Some(start) = start else {
             // The way to the first known point is not known, whatever moves there.
             if is_arc {
-                collected.fault(line, FaultKind::UnknownPosition, "the block");
+                collected.fault(line, ProgramFaultKind::UnknownPosition, "the block");
             }
             self.is_new = false;
             self.push(end, Reached::FromUnknown, line, collected);
@@ -217,7 +236,7 @@ impl State {
         };
         if !is_arc {
             if let Some(word) = block.first_of_arc {
-                collected.fault(line, FaultKind::Arc, word.to_string());
+                collected.fault(line, ProgramFaultKind::Arc, word.to_string());
             }
             self.push(end, if is_rapid { Reached::Rapid } else { Reached::Feed }, line, collected);
             return;
@@ -225,7 +244,11 @@ impl State {
         let arc = Arc { axes: self.plane, start, end, clockwise: motion == Motion::Clockwise };
         let chords = self.centre(block, start).and_then(|centre| arc.chords(centre, sagitta));
         let Some(points) = chords else {
-            collected.fault(line, FaultKind::Arc, block.first_of_arc.map_or_else(|| "the block".to_owned(), |word| word.to_string()));
+            collected.fault(
+                line,
+                ProgramFaultKind::Arc,
+                block.first_of_arc.map_or_else(|| "the block".to_owned(), |word| word.to_string()),
+            );
             return;
         };
         for point in points {
@@ -254,11 +277,12 @@ impl State {
         let mut feed_rate = self.feed.filter(|feed| *feed > 0.0);
         if self.per_revolution && reached == Reached::Feed {
             if self.spindle.is_none() && feed_rate.is_some() {
-                collected.fault(line, FaultKind::FeedPerRevolution, "the block");
+                collected.fault(line, ProgramFaultKind::FeedPerRevolution, "the block");
             }
             feed_rate = feed_rate.zip(self.spindle).map(|(feed, speed)| feed * speed);
         }
         let feed_rate = if reached == Reached::Feed { feed_rate } else { None };
-        collected.push(ProgramPoint { point, reached, feed_rate, line, tool: self.tool, spindle_speed: self.spindle });
+        let feed_unit = self.millimetres * if self.per_revolution { self.spindle.unwrap_or(1.0) } else { 1.0 };
+        collected.push(ProgramPoint { point, reached, feed_rate, line, tool: self.tool, spindle_speed: self.spindle, feed_unit });
     }
 }

@@ -4,16 +4,18 @@ mod apt;
 mod arc;
 mod block;
 mod collected;
-mod columns;
-mod faults;
+mod csv_columns;
 mod gcode;
-mod points;
+mod program_faults;
+mod program_points;
 mod read;
+mod refeed;
 #[cfg(test)]
 mod tests;
 mod write;
 
-pub use faults::{FaultKind, ProgramFault};
-pub use points::{Dialect, Program, ProgramPoint, Reached};
+pub use program_faults::{ProgramFault, ProgramFaultKind};
+pub use program_points::{Dialect, Program, ProgramPoint, Reached};
 pub use read::{ReadSettings, read};
+pub use refeed::with_feeds;
 pub use write::{Gap, Operation, WriteSettings, write_iso};

@@ -1,9 +1,9 @@
 //! Reads a program in the dialect that its content shows.
 
 use super::collected::Collected;
-use super::faults::{FaultKind, ProgramFault};
-use super::points::{Dialect, Program};
-use super::{apt, columns, gcode};
+use super::program_faults::{ProgramFault, ProgramFaultKind};
+use super::program_points::{Dialect, Program};
+use super::{apt, csv_columns, gcode};
 
 /// How a program is read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,15 +20,15 @@ pub struct ReadSettings {
 /// The first hundred faults, each with its line.
 pub fn read(text: &str, settings: &ReadSettings) -> Result<Program, Vec<ProgramFault>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut collected = Collected { points: Vec::new(), faults: Vec::new(), most_points: settings.most_points };
+    let mut collected = Collected::new(settings.most_points);
     let dialect = dialect(text);
     match dialect {
         Dialect::GCode => gcode::read(text, settings.sagitta, &mut collected),
-        Dialect::Apt => apt::read(text, &mut collected),
-        Dialect::Columns => columns::read(text, &mut collected),
+        Dialect::Apt => apt::read(text, settings.sagitta, &mut collected),
+        Dialect::Columns => csv_columns::read(text, &mut collected),
     }
     if collected.faults.is_empty() && collected.points.is_empty() {
-        collected.fault(1, FaultKind::Empty, "the program");
+        collected.fault(1, ProgramFaultKind::Empty, "the program");
     }
     if collected.faults.is_empty() { Ok(Program { dialect, points: collected.points }) } else { Err(collected.faults) }
 }

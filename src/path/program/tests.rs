@@ -65,7 +65,7 @@ fn programs_are_read_as_their_controls_run_them() {
 
 #[test]
 fn what_is_not_followed_is_refused_with_its_line() {
-    use FaultKind as F;
+    use ProgramFaultKind as F;
     let start = "G0 X0 Y0 Z0\n";
     for (text, kind) in [
         ("G41 D1 X1", F::Transformation),
@@ -179,12 +179,15 @@ fn apt_and_columns_are_read() {
         assert_eq!(points(text), expected, "{text}");
     }
     for (text, kind) in [
-        ("GOTO/0,0,1\nCIRCLE/0,0,0,0,0,1,5\n", FaultKind::Cycle),
-        ("GOTO/0,0,1\nGOTO/0,0\n", FaultKind::Number),
-        ("GOTO/0,0,1\nGOTO/0,0,1,0.5,0,0.866\n", FaultKind::Axis),
-        ("GOTO/0,0,1\nWIBBLE/1\n", FaultKind::UnknownWord),
-        ("0,0,1\n1,0\n", FaultKind::Number),
-        ("0,0,1\n1,0,a\n", FaultKind::Number),
+        ("GOTO/0,0,1\nCIRCLE/0,0,0,0,0,1,5\n", ProgramFaultKind::Arc),
+        ("GOTO/0,0,1\nCIRCLE/0,5,0,0,0,1,3\nGOTO/5,5,1", ProgramFaultKind::Arc),
+        ("GOTO/0,0,1\nCIRCLE/0,5,0,0,0.6,0.8,5\nGOTO/5,5,1", ProgramFaultKind::Arc),
+        ("GOTO/0,0,1\nCYCLE/DRILL,5\n", ProgramFaultKind::Cycle),
+        ("GOTO/0,0,1\nGOTO/0,0\n", ProgramFaultKind::Number),
+        ("GOTO/0,0,1\nGOTO/0,0,1,0.5,0,0.866\n", ProgramFaultKind::Axis),
+        ("GOTO/0,0,1\nWIBBLE/1\n", ProgramFaultKind::UnknownWord),
+        ("0,0,1\n1,0\n", ProgramFaultKind::Number),
+        ("0,0,1\n1,0,a\n", ProgramFaultKind::Number),
     ] {
         let faults = read(text, &SETTINGS).unwrap_err();
         assert_eq!((faults[0].kind, faults[0].line), (kind, 2), "{text}");
@@ -235,4 +238,108 @@ fn modal_words_are_not_repeated() {
     assert_eq!(gap, Err(Gap { operation: 0, index: 1 }));
     let no_feed = write_iso(&[Operation { feed_rates: &[], ..operation }], &WriteSettings::default());
     assert_eq!(no_feed, Err(Gap { operation: 0, index: 1 }));
+}
+
+#[test]
+fn a_refused_word_is_one_fault_with_its_parameters() {
+    let start = "G0 X0 Y0 Z5\n";
+    for text in ["G83 X1 Y2 Z-5 R1 Q0.5 F100", "G81 Z-1 R2 L3", "G68 X0 Y0 R30", "G76 P1 Q2 R3", "G5.1 X1 Y1 I2 J3", "G84 X1 R2 K3"] {
+        let faults = read(&format!("{start}{text}\nX3\nG1 X4 F5"), &SETTINGS).unwrap_err();
+        assert_eq!(faults.len(), 1, "{text}: {faults:?}");
+        assert_eq!(faults[0].line, 2);
+    }
+}
+
+#[test]
+fn circles_of_cutter_location_files_are_chords() {
+    for (text, sweep, radius) in [
+        ("GOTO/10,0,1\nCIRCLE/0,0,1,0,0,1,10\nGOTO/0,10,1", 90.0_f64, 10.0_f64),
+        ("GOTO/10,0,1\nCIRCLE/0,0,1,0,0,-1,10,0.01,0.5,20,5\nGOTO/0,10,1", 270.0, 10.0),
+        ("GOTO/0,0,5\nCIRCLE/0,0,0,0,-1,0,5\nGOTO/5,0,0", 270.0, 5.0),
+        ("GOTO/0,0,5\nCIRCLE/0,0,0,0,1,0,5\nGOTO/5,0,0", 90.0, 5.0),
+    ] {
+        let program = program(text);
+        let length: f64 =
+            program.moves().0.iter().map(|each| (0..3).map(|axis| (each.to[axis] - each.from[axis]).powi(2)).sum::<f64>().sqrt()).sum();
+        // Chords are shorter than their arcs by a share of 4/3 of the sagitta over the radius.
+        assert_relative_eq!(length, sweep.to_radians() * radius, max_relative = 3e-4);
+        assert!(program.points.iter().skip(1).all(|point| point.line == 3 && point.reached == Reached::Feed));
+    }
+}
+
+#[test]
+fn new_feeds_change_nothing_but_feed_words() {
+    let with = |text: &str, feed: f64, old: bool| {
+        let program = program(text);
+        with_feeds(text, &program, &vec![feed; program.points.len()], old)
+    };
+    for (text, feed, expected) in [
+        ("G0 X0 Y0 Z5\nG1 Z0 F100\nX10\n", 500.0, "G0 X0 Y0 Z5\nG1 Z0 F500\nX10\n"),
+        ("g0x0y0z5\r\ng1z0f100(down)\r\nx10 ; on\r\n", 87.65, "g0x0y0z5\r\ng1z0F87.6(down)\r\nx10 ; on\r\n"),
+        ("G0 X0 Y0 Z5\nF100\nG1 Z0 (F is (above)\nX10", 250.0, "G0 X0 Y0 Z5\nF100\nG1 Z0 F250 (F is (above)\nX10"),
+        ("G20\nG0 X0 Y0 Z1\nG1 X1 F10\nG0 X2\nG1 X3", 508.0, "G20\nG0 X0 Y0 Z1\nG1 X1 F20\nG0 X2\nG1 X3"),
+        ("S1000 G95\nG0 X0 Y0 Z1\nG1 X1 F0.1", 250.0, "S1000 G95\nG0 X0 Y0 Z1\nG1 X1 F0.25"),
+        ("%\nO1\nG0 X0 Y0 Z5\nG1 Z0 F500.\nG2 X0 Y0 I5\nM30\n%", 500.0, "%\nO1\nG0 X0 Y0 Z5\nG1 Z0 F500.\nG2 X0 Y0 I5\nM30\n%"),
+        ("0;0;1;500\n1;0;1;500\n", 321.0, "0;0;1;500\n1;0;1;321\n"),
+        ("GOTO/0,0,1\nGOTO/1,0,1\nGOTO/2,0,1\n", 300.0, "GOTO/0,0,1\nFEDRAT/300,MMPM\nGOTO/1,0,1\nGOTO/2,0,1\n"),
+    ] {
+        let written = with(text, feed, false);
+        assert_eq!(written, expected);
+        let (read, before) = (program(&written), program(text));
+        for (point, before) in read.points.iter().zip(&before.points) {
+            assert_eq!((point.point, point.reached), (before.point, before.reached));
+            if point.reached == Reached::Feed {
+                let rate = point.feed_rate.unwrap();
+                assert!(rate <= feed * (1.0 + 1e-12) && rate >= 0.99 * feed, "{text}: {rate}");
+            }
+        }
+    }
+    assert_eq!(with("G0 X0 Y0 Z5\nG1 Z0 F100", 50.0, true), "G0 X0 Y0 Z5\nG1 Z0 F50 (F100)");
+}
+
+/// LinuxCNC's own interpreter follows a written program along the same moves. `RS274` names it, if it is not on the path.
+#[test]
+#[ignore = "needs LinuxCNC's rs274"]
+fn linuxcnc_reads_back_what_is_written() {
+    let folder = std::env::temp_dir().join(format!("scallopd-rs274-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (table, file) = (folder.join("tools.tbl"), folder.join("written.ngc"));
+    std::fs::write(&table, "T3 P3 D6 ;\n").unwrap();
+    let mut random = crate::numerics::random::Random::new(3);
+    let mut moves = moves();
+    for _ in 0..500 {
+        let from = moves[moves.len() - 1].to;
+        let to = [0, 1, 2].map(|_| 200.0 * random.unit() - 100.0);
+        moves.push(Move { from, to, kind: if random.unit() < 0.2 { MoveKind::Rapid } else { MoveKind::Cut } });
+    }
+    let feed_rates: Vec<f64> = moves.iter().map(|_| 10.0 + 5000.0 * random.unit()).collect();
+    let operation = Operation { tool: 3, name: Some("ball"), spindle_speed: Some(6000.0), moves: &moves, feed_rates: &feed_rates };
+    for inches in [false, true] {
+        let settings =
+            WriteSettings { inches, decimals: if inches { 5 } else { 4 }, number_lines: inches, coolant: true, ..WriteSettings::default() };
+        std::fs::write(&file, write_iso(&[operation], &settings).unwrap()).unwrap();
+        let interpreter = std::env::var("RS274").unwrap_or_else(|_| "rs274".to_owned());
+        let output = std::process::Command::new(interpreter).arg("-g").arg("-t").arg(&table).arg(&file).output().unwrap();
+        let text = String::from_utf8(output.stdout).unwrap();
+        // `16 N..... STRAIGHT_FEED(3.3000, 0.2500, -1.5000, ...)`: canonical commands in mm, to four decimals.
+        let scale = if text.contains("USE_LENGTH_UNITS(CANON_UNITS_INCHES)") { 25.4 } else { 1.0 };
+        let mut read: Vec<(bool, [f64; 3])> = Vec::new();
+        for line in text.lines() {
+            let Some((command, arguments)) = line.split_once("STRAIGHT_").and_then(|(_, rest)| rest.split_once('(')) else {
+                continue;
+            };
+            let values: Vec<f64> = arguments.trim_end_matches(')').split(", ").map(|value| value.parse().unwrap()).collect();
+            read.push((command == "TRAVERSE", [0, 1, 2].map(|axis| scale * values[axis])));
+        }
+        let expected: Vec<(bool, [f64; 3])> = moves.iter().map(|each| (each.kind == MoveKind::Rapid, each.to)).collect();
+        // The way to the first point comes first.
+        let read = &read[read.len() - expected.len()..];
+        for (read, expected) in read.iter().zip(&expected) {
+            assert_eq!(read.0, expected.0);
+            // Half of the last decimal written, and of the last one that the interpreter prints.
+            let bound = if inches { 25.4 * 5.5e-5 } else { 1.01e-4 };
+            (0..3).for_each(|axis| assert_relative_eq!(read.1[axis], expected.1[axis], epsilon = bound));
+        }
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -54,7 +54,7 @@ fn deviations(drop: &DropCutter, profile: &Profile, tips: &[Tip]) -> [f64; 2] {
 
 fn check(drop: &DropCutter, from: [f64; 2], to: [f64; 2]) {
     for profile in profiles() {
-        let tips = tips_between(drop, &profile, from, to, TOLERANCE, None);
+        let tips = tips_between(drop, &profile, from, to, &Sampling::fine(&profile, TOLERANCE), None);
         for (end, tip) in [(from, tips.first()), (to, tips.last())] {
             let position = tip.unwrap().vector();
             assert!((position.x - end[0]).hypot(position.y - end[1]) < 1e-9);
@@ -125,8 +125,8 @@ fn chords_over_blocks_and_frustums_keep_the_tolerance() {
 fn a_step_is_two_tips_on_its_free_side() {
     let drop = extruded(&[[-20.0, 0.0], [0.0, 0.0], [0.0, 5.0], [20.0, 5.0]]);
     let flat = Profile::torus(2.0, 0.0);
-    let up = tips_between(&drop, &flat, [-10.0, 1.0], [10.0, 1.0], TOLERANCE, None);
-    let down = tips_between(&drop, &flat, [10.0, 1.0], [-10.0, 1.0], TOLERANCE, None);
+    let up = tips_between(&drop, &flat, [-10.0, 1.0], [10.0, 1.0], &Sampling::fine(&flat, TOLERANCE), None);
+    let down = tips_between(&drop, &flat, [10.0, 1.0], [-10.0, 1.0], &Sampling::fine(&flat, TOLERANCE), None);
     // The flat meets the wall at x = -2.
     for (tips, [first, second]) in [(&up, [0.0, 5.0]), (&down, [5.0, 0.0])] {
         let step = tips.windows(2).find(|ends| (ends[0].position[2] - ends[1].position[2]).abs() > 1.0).unwrap();
@@ -142,8 +142,8 @@ fn a_step_is_two_tips_on_its_free_side() {
 fn a_plane_needs_two_tips() {
     let drop = extruded(&[[-20.0, -4.0], [20.0, 4.0]]);
     for profile in profiles() {
-        assert_eq!(tips_between(&drop, &profile, [-10.0, 3.0], [10.0, -2.0], TOLERANCE, None).len(), 2);
-        assert_eq!(tips_between(&drop, &profile, [1.0, 3.0], [1.0, 3.0], TOLERANCE, None).len(), 1);
+        assert_eq!(tips_between(&drop, &profile, [-10.0, 3.0], [10.0, -2.0], &Sampling::fine(&profile, TOLERANCE), None).len(), 2);
+        assert_eq!(tips_between(&drop, &profile, [1.0, 3.0], [1.0, 3.0], &Sampling::fine(&profile, TOLERANCE), None).len(), 1);
     }
 }
 
@@ -151,12 +151,10 @@ fn a_plane_needs_two_tips() {
 fn beyond_the_part_the_tip_is_on_the_floor_or_nowhere() {
     let drop = extruded(&[[-5.0, 2.0], [5.0, 2.0]]);
     let flat = Profile::torus(2.0, 0.0);
-    let without = tips_between(&drop, &flat, [-20.0, 0.0], [20.0, 0.0], TOLERANCE, None);
+    let without = tips_between(&drop, &flat, [-20.0, 0.0], [20.0, 0.0], &Sampling::fine(&flat, TOLERANCE), None);
     let ends = [without[0].position[0], without[without.len() - 1].position[0]];
     assert!((ends[0] + 7.0).abs() < 1e-4 && (ends[1] - 7.0).abs() < 1e-4, "{ends:?}");
-    let with = tips_between(&drop, &flat, [-20.0, 0.0], [20.0, 0.0], TOLERANCE, Some(0.0));
+    let with = tips_between(&drop, &flat, [-20.0, 0.0], [20.0, 0.0], &Sampling::fine(&flat, TOLERANCE), Some(0.0));
     assert_eq!(with.iter().map(|tip| tip.position[2]).collect::<Vec<_>>(), [0.0, 0.0, 2.0, 2.0, 0.0, 0.0]);
-    assert_eq!(tips_between(&drop, &flat, [10.0, 0.0], [20.0, 0.0], TOLERANCE, None), []);
-    let lines = [[[-20.0, 0.0], [20.0, 0.0]], [[10.0, 0.0], [20.0, 0.0]]];
-    assert_eq!(tips_of_lines(&drop, &flat, &lines, TOLERANCE, None, &|| false), [without, vec![]]);
+    assert_eq!(tips_between(&drop, &flat, [10.0, 0.0], [20.0, 0.0], &Sampling::fine(&flat, TOLERANCE), None), []);
 }

@@ -1,11 +1,12 @@
 //! Runs along the feet of walls: the border of where the tip stands on what is to be machined, as far as it touches a wall
 //! there. Lines that end at a wall leave triangles between their ends, and lines beside a wall a strip.
 
+use super::chain::{Chain, points_along};
 use super::judged::Judged;
 use super::prepared::Prepared;
+use super::region::Region;
 use super::runs::{Run, RunTip, target_under};
 use super::stations::Station;
-use super::travel;
 use super::workpiece::Workpiece;
 use crate::path::{Area, Contour, Tip, borders};
 use std::collections::HashSet;
@@ -27,15 +28,20 @@ pub(super) struct Feet {
 /// One border, in points at most half a cutter's radius apart.
 #[derive(Debug, Clone)]
 struct Foot {
-    tips: Vec<RunTip>,
+    chain: Chain,
     /// For each tip, whether a wall rises beyond it.
     at_wall: Vec<bool>,
-    closed: bool,
 }
 
 impl Feet {
-    /// The feet of all walls beside what a cutter can machine. Once `stop` returns true, the result must be discarded.
-    pub(super) fn of(workpiece: &Workpiece, prepared: &Prepared, chord_tolerance: f64, stop: &(dyn Fn() -> bool + Sync)) -> Self {
+    /// The feet of all walls beside what a cutter can machine of a region. Once `stop` returns true, the result must be discarded.
+    pub(super) fn of(
+        workpiece: &Workpiece,
+        prepared: &Prepared,
+        region: &Region,
+        chord_tolerance: f64,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Self {
         let radius = prepared.profile.outer_radius();
         let [low, high] = workpiece.bounds;
         let (min, max) = ([low[0] - radius, low[1] - radius], [high[0] + radius, high[1] + radius]);
@@ -43,7 +49,7 @@ impl Feet {
         let area = Area { min, max, cell: (radius / CELLS_IN_RADIUS).max(coarsest) };
         let inside = |axis: [f64; 2]| {
             let touch = workpiece.drop.drop(&prepared.profile, axis[0], axis[1], None)?;
-            target_under(workpiece, prepared, axis, &touch, chord_tolerance)?;
+            target_under(workpiece, prepared, axis, &touch, chord_tolerance).filter(|target| region.includes(*target, axis))?;
             Some(Tip { position: [axis[0], axis[1], touch.height], touch: Some(touch) })
         };
         let curves = borders(&inside, &area, chord_tolerance, stop);
@@ -68,28 +74,9 @@ impl Feet {
 
 impl Foot {
     fn of(workpiece: &Workpiece, prepared: &Prepared, contour: &Contour, chord_tolerance: f64) -> Self {
-        let radius = prepared.profile.outer_radius();
-        let ends = contour.tips.iter().zip(contour.tips.iter().skip(1).chain(contour.tips.first().filter(|_| contour.closed)));
-        let mut foot = Self { tips: Vec::new(), at_wall: Vec::new(), closed: contour.closed };
-        for (from, to) in ends {
-            let length = travel::distance(from.position, to.position);
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of parts")]
-            let parts = ((2.0 * length / radius).ceil().max(1.0)) as u32;
-            for part in 0..parts {
-                let share = f64::from(part) / f64::from(parts);
-                let tip = [0, 1, 2].map(|axis| from.position[axis] + share * (to.position[axis] - from.position[axis]));
-                foot.push(
-                    workpiece,
-                    prepared,
-                    tip,
-                    [to.position[0] - from.position[0], to.position[1] - from.position[1]],
-                    chord_tolerance,
-                );
-            }
-        }
-        if let (false, [.., before, last]) = (contour.closed, &contour.tips[..]) {
-            let along = [last.position[0] - before.position[0], last.position[1] - before.position[1]];
-            foot.push(workpiece, prepared, last.position, along, chord_tolerance);
+        let mut foot = Self { chain: Chain { tips: Vec::new(), closed: contour.closed }, at_wall: Vec::new() };
+        for (tip, along) in points_along(contour, prepared.profile.outer_radius() / 2.0) {
+            foot.push(workpiece, prepared, tip, along, chord_tolerance);
         }
         foot
     }
@@ -106,42 +93,13 @@ impl Foot {
         let touch = workpiece.drop.drop(&prepared.profile, tip[0], tip[1], None);
         let target = touch.and_then(|touch| target_under(workpiece, prepared, [tip[0], tip[1]], &touch, 2.0 * chord_tolerance));
         let contact = touch.map_or(tip, |touch| touch.contact.into());
-        self.tips.push(RunTip { tip, target, contact });
+        self.chain.tips.push(RunTip { tip, target, contact });
         self.at_wall.push(rises);
     }
 
     /// The stretches at walls that `is_near` accepts, joined over gaps up to `gap` mm along the border.
     fn stretches(&self, is_near: &dyn Fn(&RunTip) -> bool, gap: f64) -> Vec<Run> {
-        let count = self.tips.len();
-        let mut wanted: Vec<bool> = self.tips.iter().zip(&self.at_wall).map(|(tip, at_wall)| *at_wall && is_near(tip)).collect();
-        let Some(first) = wanted.iter().position(|wanted| *wanted) else { return Vec::new() };
-        // Gaps are closed along the border, a closed one from its first wanted tip all around.
-        let around: Vec<usize> = if self.closed { (first..count).chain(0..first).collect() } else { (0..count).collect() };
-        let mut open: Vec<usize> = Vec::new();
-        let mut length = 0.0;
-        let mut last: Option<usize> = None;
-        for &index in around.iter().chain(self.closed.then_some(&first)) {
-            length += last.map_or(0.0, |last| travel::distance(self.tips[last].tip, self.tips[index].tip));
-            if wanted[index] {
-                if length <= gap {
-                    for between in &open {
-                        wanted[*between] = true;
-                    }
-                }
-                open.clear();
-                length = 0.0;
-            } else {
-                open.push(index);
-            }
-            last = Some(index);
-        }
-        if self.closed && wanted.iter().all(|wanted| *wanted) {
-            let tips = around.iter().chain([&first]).map(|index| self.tips[*index]).collect();
-            return vec![Run::along_border(tips)];
-        }
-        let start = if self.closed { around.iter().position(|index| !wanted[*index]).unwrap_or(0) } else { 0 };
-        let turned: Vec<usize> = around[start..].iter().chain(&around[..start]).copied().collect();
-        let stretches = turned.split(|index| !wanted[*index]).filter(|stretch| stretch.len() > 1);
-        stretches.map(|stretch| Run::along_border(stretch.iter().map(|index| self.tips[*index]).collect())).collect()
+        let wanted = self.chain.tips.iter().zip(&self.at_wall).map(|(tip, at_wall)| *at_wall && is_near(tip));
+        self.chain.runs(wanted.collect(), gap, None)
     }
 }

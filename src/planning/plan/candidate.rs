@@ -37,16 +37,16 @@ pub struct Drive {
 
 /// The feeds that a drive allows on a machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct FeedRange {
+pub(in crate::planning) struct FeedRange {
     /// The largest feed per tooth, in mm: the cutter maker's limit or the machine's feed rate over the teeth per
     /// second, the lower one.
-    pub(super) largest: f64,
+    pub(in crate::planning) largest: f64,
     /// z n, the teeth that pass in a second.
-    pub(super) teeth_per_second: f64,
+    pub(in crate::planning) teeth_per_second: f64,
 }
 
 impl FeedRange {
-    pub(super) fn of(drive: Drive, machine: &Machine) -> Self {
+    pub(in crate::planning) fn of(drive: Drive, machine: &Machine) -> Self {
         let rpm = machine.max_spindle_speed.map_or(drive.spindle_speed.rpm(), |limit| drive.spindle_speed.rpm().min(limit.rpm()));
         let teeth_per_second = f64::from(drive.teeth.max(1)) * rpm / 60.0;
         let by_machine = machine.limits.feed_rate.mm_s() / teeth_per_second;
@@ -55,7 +55,7 @@ impl FeedRange {
     }
 
     /// The feed rate of a feed per tooth, in mm/s.
-    pub(super) fn rate(&self, feed_per_tooth: f64) -> f64 {
+    pub(in crate::planning) fn rate(&self, feed_per_tooth: f64) -> f64 {
         feed_per_tooth * self.teeth_per_second
     }
 }

@@ -1,33 +1,36 @@
 //! The time of a zigzag in one direction, estimated from the stations of a cutter. It is continuous in the direction, and
 //! does not depend on which other directions are asked for.
 
+use super::family::{Family, Heading};
 use super::prepared::Prepared;
 use super::settings::{Pattern, PlanSettings};
-use super::spread::{Allowed, Heading, Seen, Spread};
+use super::spread::{Allowed, Seen, Spread};
 use super::stations::Station;
 use super::travel;
 use super::workpiece::Workpiece;
-use crate::quantity::Angle;
+
+/// The mean distances of a strip's stations beyond which two of them belong to different runs: random ones are with a probability
+/// of e^-12, and a lift that is none costs seconds.
+const GAP: f64 = 12.0;
 
 /// The most lines of a plan.
 pub(super) const MOST_LINES: usize = 50_000;
 
-/// The estimated time in s of lines in a direction; `None` if some station has no spacing, or there would be too many
+/// The estimated time in s of lines of a family over the stations; `None` if some station has no spacing, or there would be too many
 /// lines.
 pub(super) fn seconds(
     workpiece: &Workpiece,
     stations: &[Station],
     prepared: &Prepared,
     settings: &PlanSettings,
-    direction: Angle,
+    family: &Family,
 ) -> Option<f64> {
-    let heading = Heading::of(direction.radians());
-    let spread = Spread::new(workpiece, stations, prepared, &heading, settings.scallop_height.mm());
+    let spread = Spread::new(workpiece, stations, prepared, family, settings.scallop_height.mm());
     let allowed = Allowed::of(&spread, &prepared.candidate, settings.left_out_share);
     let lines = allowed.lines(spread.range, MOST_LINES)?;
     let radius = prepared.profile.outer_radius();
     #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
-    let station_distance = (workpiece.targets.iter().map(|target| target.area).sum::<f64>() / stations.len().max(1) as f64).sqrt();
+    let area_of_station = stations.iter().map(|station| station.place.area).sum::<f64>() / stations.len().max(1) as f64;
     let rapid = settings.machine.rapid_rate.mm_s();
     let depth = workpiece.top - workpiece.bounds[0][2];
     let up = settings.machine.clearance_height.mm() + depth / 2.0;
@@ -42,8 +45,9 @@ pub(super) fn seconds(
         let after = if index + 1 == lines.len() { spread.range[1] } else { f64::midpoint(line, lines[index + 1]) };
         let width = (after - before).max(1e-9);
         let strip = spread.between(before, after);
-        // The stations of a strip are as far apart along it as their share of its area says.
-        let gap = (2.0 * radius).max(8.0 * station_distance * station_distance / width);
+        // The stations of a strip are as far apart along it as their share of its area says. By chance two of thousands may be some
+        // times farther apart.
+        let gap = (2.0 * radius).max(GAP * area_of_station / width);
         let runs = runs_of(strip, gap);
         let mut longest: f64 = 0.0;
         for run in &runs {

@@ -1,7 +1,8 @@
 //! What a path leaves at the stations of a cutter, as figures and by strip between lines.
 
+use super::family::Family;
 use super::prepared::Prepared;
-use super::spread::{Allowed, Heading};
+use super::spread::Allowed;
 use super::stations::Station;
 use super::workpiece::Workpiece;
 use crate::path::Milled;
@@ -18,18 +19,27 @@ pub(super) struct Judged {
 }
 
 impl Judged {
+    /// What two operations leave together: less material, and the deeper cut.
+    pub(super) fn together(&self, other: &Self) -> Self {
+        match (self.left, other.left) {
+            (Some(a), Some(b)) if a.min(b) < 0.0 => Self { left: Some(a.min(b)), marks: if a < b { self.marks } else { other.marks } },
+            _ if other.material() < self.material() => *other,
+            _ => *self,
+        }
+    }
+
     /// The height left, tooth marks included, infinite where no move reaches the place.
     fn material(self) -> f64 {
         self.left.map_or(f64::INFINITY, |left| left.max(0.0) + self.marks)
     }
 }
 
-/// What a path of a candidate, with lines in a direction, leaves at each station. `None` once `stop` returns true.
+/// What a path of a candidate, with lines of a family, leaves at each station. `None` once `stop` returns true.
 pub(super) fn judged(
     workpiece: &Workpiece,
     stations: &[Station],
     prepared: &Prepared,
-    along: [f64; 2],
+    family: &Family,
     milled: &Milled,
     height: f64,
     stop: &(dyn Fn() -> bool + Sync),
@@ -40,7 +50,7 @@ pub(super) fn judged(
         }
         let left = milled.left_at(station.place.point, workpiece.targets[station.place.target].normal);
         let tangent = &workpiece.tangents[station.place.target];
-        let (cos_alpha, _) = tangent.alpha(along);
+        let (cos_alpha, _) = tangent.alpha(family.along(tangent));
         let marks = height * (1.0 - prepared.feeds.step_over_share(tangent, cos_alpha));
         Some(Judged { left: left.map(|left| left.height), marks })
     };
@@ -127,14 +137,22 @@ impl FinishFigures {
 const MOST_NARROWED: f64 = 0.5;
 const MOST_WIDENED: f64 = 1.35;
 
+/// Stations at least this share of the way from a line to the middle of its strip tell the height of the ridge there.
+const NEAR_THE_RIDGE: f64 = 0.85;
+
+/// Of n random places across a parabolic ridge, the one nearest to it misses it by 1/n of its distance on average, and by less than
+/// twice that in all but a seventh of the strips.
+const MISSED: f64 = 2.0;
+
 /// Changes the spacings that lines may have so that the height left between them becomes the scallop height: the height
-/// grows with the square of the spacing. Stations that no line can reach in their strip do not count. Of n random places across
-/// a parabolic ridge the highest is at (n/(n+1))^2 of its height, which is made up for. `margin` multiplies all
-/// spacings.
+/// grows with the square of the spacing. Stations that no line can reach in their strip do not count. A station beside the
+/// ridge counts for the ridge, whose height is larger by the square of the distances from the line, up to what n places can
+/// have missed: the highest of a few random places alone is too low, by chance more or less, but on coarse facets ridges are not
+/// parabolas. `margin` multiplies all spacings.
 pub(super) fn respace(
     allowed: &mut Allowed,
     lines: &[f64],
-    heading: &Heading,
+    family: &Family,
     stations: &[Station],
     judged: &[Judged],
     height: f64,
@@ -143,29 +161,38 @@ pub(super) fn respace(
     if lines.len() < 2 {
         return;
     }
-    let mut highest: Vec<Vec<f64>> = vec![Vec::new(); lines.len() - 1];
+    // The height of each station of a strip, and that of the ridge beside it.
+    let mut heights: Vec<Vec<[f64; 2]>> = vec![Vec::new(); lines.len() - 1];
     for (station, judged) in stations.iter().zip(judged) {
-        let [_, across] = heading.of_point(station.axis);
+        let [_, across] = family.of_station(station);
         let strip = lines.partition_point(|line| *line <= across);
         if strip == 0 || strip == lines.len() || station.lift > height {
             continue;
         }
         // A place that the whole strip leaves standing is no matter of spacing.
         if let Some(left) = judged.left.filter(|left| *left < 20.0 * height) {
-            highest[strip - 1].push(left.max(0.0) * height / (height - judged.marks).max(1e-3 * height));
+            let [before, after] = [lines[strip - 1], lines[strip]];
+            let share = 2.0 * (across - before).min(after - across) / (after - before);
+            let here = left.max(0.0) * height / (height - judged.marks).max(1e-3 * height);
+            heights[strip - 1].push([here, if share >= NEAR_THE_RIDGE { here / (share * share) } else { here }]);
         }
     }
-    let factors: Vec<f64> = highest
+    let factors: Vec<f64> = heights
         .iter_mut()
         .map(|heights| {
-            heights.sort_unstable_by(f64::total_cmp);
             // A thousandth of a strip's area may be over.
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);
+            let [highest, ridge] = [0, 1].map(|of| {
+                heights.sort_unstable_by(|a, b| a[of].total_cmp(&b[of]));
+                heights.get(place).map(|heights| heights[of])
+            });
             #[expect(clippy::cast_precision_loss, reason = "thousands")]
-            let missed = 1.0 + 1.0 / heights.len().max(1) as f64;
-            let factor =
-                |highest: &f64| (margin * (height / highest.max(1e-3 * height)).sqrt() / missed).clamp(MOST_NARROWED, MOST_WIDENED);
-            heights.get(place).map_or(1.0, factor)
+            let missed = 1.0 + MISSED / heights.len().max(1) as f64;
+            let factor = |(highest, ridge): (f64, f64)| {
+                let ridge = ridge.min(highest * missed * missed);
+                (margin * (height / ridge.max(1e-3 * height)).sqrt()).clamp(MOST_NARROWED, MOST_WIDENED)
+            };
+            highest.zip(ridge).map_or(1.0, factor)
         })
         .collect();
     for (strip, pair) in lines.windows(2).enumerate() {

@@ -1,21 +1,22 @@
-//! What the path of a plan leaves at given points, for maps.
+//! What the paths of a plan leave at given points, for maps.
 
+use super::candidate_plan::{CandidatePlan, PlannedPath};
+use super::drawn_places::DrawnPlace;
 use super::judged::judged;
-use super::places::Place;
-use super::ranking::CandidatePlan;
+use super::operations::OperationsPlan;
 use super::settings::PlanSettings;
-use super::spread::Heading;
 use super::stations::stations;
 use super::workpiece::Workpiece;
+use crate::milling::Cutter;
 use crate::path::Milled;
 use crate::quantity::Length;
 
-/// What a path leaves at a point of the surface.
+/// What paths leave at a point of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeftAt {
     /// The height left along the normal, tooth marks included; `None` where no move comes over the point.
     pub height: Option<Length>,
-    /// Whether the cutter can stand where it would finish the point.
+    /// Whether a cutter can stand where it would finish the point.
     pub is_reached: bool,
 }
 
@@ -29,16 +30,62 @@ pub fn left_at(
     points: &[(usize, [f64; 3])],
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<LeftAt>> {
-    let (milled_plan, prepared) = plan.plan.as_ref()?;
+    left_by(workpiece, &[plan.path.as_ref()?], settings, points, stop)
+}
+
+/// What the paths of several operations together leave at points of facets that are machined, in the order of the points. `None`
+/// once `stop` returns true.
+#[must_use]
+pub fn left_at_by_all(
+    workpiece: &Workpiece,
+    plan: &OperationsPlan,
+    settings: &PlanSettings,
+    points: &[(usize, [f64; 3])],
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<LeftAt>> {
+    let paths: Vec<&PlannedPath> = plan.operations.iter().map(|operation| &operation.path).collect();
+    left_by(workpiece, &paths, settings, points, stop)
+}
+
+/// How high other facets hold a cutter over its contact with points of facets that are machined, in the order of the points; 0
+/// where it can stand there. Once `stop` returns true, the result must be discarded.
+#[must_use]
+pub fn lifts_at(
+    workpiece: &Workpiece,
+    cutter: Cutter,
+    settings: &PlanSettings,
+    points: &[(usize, [f64; 3])],
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Vec<Length> {
     let height = settings.scallop_height.mm();
-    let places: Vec<Place> = points.iter().map(|&(target, point)| Place { target, point, area: 1.0 }).collect();
-    let stations = stations(workpiece, &prepared.profile, &places, height, stop);
-    let milled = Milled::new(&prepared.profile, &milled_plan.tour.moves(), stop)?;
-    let along = Heading::of(plan.direction.radians()).along;
-    let judged = judged(workpiece, &stations, prepared, along, &milled, height, stop)?;
-    let left = stations.iter().zip(&judged).map(|(station, judged)| LeftAt {
-        height: judged.left.map(|left| Length::computed(left.max(0.0) + judged.marks)),
-        is_reached: station.lift <= height,
-    });
-    Some(left.collect())
+    let lifts = stations(workpiece, &cutter.profile(), &places_of(points), height, stop);
+    lifts.iter().map(|station| Length::computed(if station.lift <= height { 0.0 } else { station.lift })).collect()
+}
+
+fn places_of(points: &[(usize, [f64; 3])]) -> Vec<DrawnPlace> {
+    points.iter().map(|&(target, point)| DrawnPlace { target, point, area: 1.0 }).collect()
+}
+
+fn left_by(
+    workpiece: &Workpiece,
+    paths: &[&PlannedPath],
+    settings: &PlanSettings,
+    points: &[(usize, [f64; 3])],
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<LeftAt>> {
+    let height = settings.scallop_height.mm();
+    let places = places_of(points);
+    let mut all = vec![LeftAt { height: None, is_reached: false }; points.len()];
+    for PlannedPath { plan, prepared } in paths {
+        let stations = stations(workpiece, &prepared.profile, &places, height, stop);
+        let milled = Milled::new(&prepared.profile, &plan.tour.moves(), stop)?;
+        let judged = judged(workpiece, &stations, prepared, &plan.family, &milled, height, stop)?;
+        for ((all, station), judged) in all.iter_mut().zip(&stations).zip(&judged) {
+            let left = judged.left.map(|left| Length::computed(left.max(0.0) + judged.marks));
+            let less = |before: Length| left.map_or(before, |left| if left.mm() < before.mm() { left } else { before });
+            all.height = all.height.map_or(left, |before| Some(less(before)));
+            all.is_reached |= station.lift <= height;
+        }
+    }
+    Some(all)
 }

@@ -1,46 +1,70 @@
-//! The zigzag of a candidate in one direction: lines, their runs, the path, and what it leaves, milled; the lines move until
+//! The plan of a candidate with one family of lines: lines, their runs, the path, and what it leaves, milled; the lines move until
 //! the scallop height is kept and used.
 
 use super::border::Feet;
+use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
+use super::family::Family;
 use super::judged::{FinishFigures, Judged, judged, respace};
+use super::levels::LevelMaker;
 use super::prepared::Prepared;
+use super::region::Region;
 use super::runs::{Run, RunMaker};
 use super::settings::PlanSettings;
-use super::spread::{Allowed, Heading, Spread};
+use super::spread::{Allowed, Spread};
 use super::stations::Station;
 use super::tour::Tour;
 use super::workpiece::Workpiece;
-use crate::path::Milled;
-use crate::quantity::{Angle, Length};
+use crate::milling::Profile;
+use crate::path::{Milled, Sampling};
+use crate::quantity::Length;
 use std::cell::{Cell, OnceCell};
+use std::ops::RangeInclusive;
 
 /// The share of the scallop height by which chords between tips may differ from the tips' surface.
 pub(super) const CHORD_SHARE: f64 = 0.1;
 
-/// The fewest and the most rounds in which lines move. After the fewest, a round is followed by another while the scallop height
-/// is not kept, or if it saves this share of the time.
-const FEWEST_ROUNDS: usize = 3;
-const ROUNDS: usize = 6;
+/// The fewest and the most rounds in which lines move on finely sampled tips. After the fewest, a round is followed by another while
+/// the scallop height is not kept, or if it has made the plan better by this share.
+const FINE_ROUNDS: RangeInclusive<usize> = 3..=5;
 const WORTHWHILE: f64 = 0.01;
 
 /// The most samples of a path's lines, some four seconds on two threads.
 const MOST_SAMPLES: usize = 4_000_000;
 
-/// A plan is taken as it is once this share of the area, at most, is over the scallop height.
+/// A plan keeps the scallop height where this share of the area, at most, is far over it: of two that do, the faster one is taken.
 const ENOUGH: f64 = 0.002;
 
-/// The plan of a candidate in one direction.
+/// The share up to which it counts as kept on stations on which lines were not spaced.
+const UNSEEN_ENOUGH: f64 = 0.003;
+
+/// The plan of a candidate with one family of lines.
 #[derive(Debug, Clone)]
 pub(super) struct MilledPlan {
-    pub(super) direction: Angle,
+    pub(super) family: Family,
     pub(super) lines: Vec<f64>,
     pub(super) tour: Tour,
     pub(super) finish: FinishFigures,
     pub(super) judged: Vec<Judged>,
 }
 
-/// Why a direction has no plan.
+/// Spacings of a family of lines, found on coarsely sampled tips.
+pub(super) struct Draft {
+    family: Family,
+    /// The time of a path with these spacings, as far as the draft tells.
+    pub(super) seconds: f64,
+    spread: Spread,
+    allowed: Allowed,
+}
+
+/// A plan, the spacings that it was made with, and those that what it leaves allows.
+struct Spaced {
+    plan: MilledPlan,
+    allowed: Allowed,
+    next: Allowed,
+}
+
+/// Why a family of lines has no plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NoPlan {
     /// Somewhere no spacing keeps the scallop height, or there are too many lines.
@@ -58,10 +82,12 @@ pub(super) struct Planner<'a> {
     pub(super) workpiece: &'a Workpiece,
     pub(super) prepared: &'a Prepared,
     pub(super) settings: &'a PlanSettings,
+    /// What is machined; the stations are in it.
+    pub(super) region: &'a Region,
     /// The stations on which lines are spaced.
     pub(super) stations: &'a [Station],
-    /// Those on which the plan is judged. Where lines are spaced, a plan is better than elsewhere.
-    pub(super) unseen: &'a [Station],
+    /// The stations of a further set of places.
+    pub(super) further: &'a dyn Fn(Set) -> Vec<Station>,
     /// The feet of walls, once a plan needs them.
     pub(super) feet: OnceCell<Feet>,
     /// The samples of all lines planned so far.
@@ -70,105 +96,167 @@ pub(super) struct Planner<'a> {
 }
 
 impl Planner<'_> {
-    /// The milled plan in a direction.
-    pub(super) fn plan(&self, direction: Angle) -> Result<MilledPlan, NoPlan> {
-        let Self { workpiece, prepared, settings, stations, stop, .. } = *self;
+    /// A draft of the plan of a family of lines: spaced on coarsely sampled tips, which suffice for that.
+    pub(super) fn draft(&self, family: Family) -> Result<Draft, NoPlan> {
+        let Self { workpiece, prepared, settings, stations, .. } = *self;
+        let spread = Spread::new(workpiece, stations, prepared, &family, settings.scallop_height.mm());
+        let allowed = Allowed::of(&spread, &prepared.candidate, settings.left_out_share);
+        let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, Sampling::coarse, 1..=1)?;
+        let lines = next.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?.len();
+        let (seconds, before) = (plan.tour.figures.seconds, plan.lines.len());
+        if plan.finish.far_over_share <= ENOUGH && lines >= before {
+            return Ok(Draft { family, seconds, spread, allowed });
+        }
+        #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
+        let seconds = seconds * lines as f64 / before as f64;
+        Ok(Draft { family, seconds, spread, allowed: next })
+    }
+
+    /// The plan of a draft, finely sampled, with the figures of stations on which it was not spaced. If it does not keep the scallop
+    /// height there, it is spaced on these too, and judged on others.
+    pub(super) fn finished(&self, draft: Draft) -> Result<MilledPlan, NoPlan> {
+        let Draft { family, spread, allowed, .. } = draft;
+        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, Sampling::fine, FINE_ROUNDS)?;
+        let unseen = (self.further)(Set::Unseen);
+        let plan = self.measured(&unseen, plan)?;
+        if plan.finish.far_over_share <= UNSEEN_ENOUGH {
+            return Ok(plan);
+        }
+        let both: Vec<Station> = self.stations.iter().copied().chain(unseen).collect();
+        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, Sampling::fine, FINE_ROUNDS)?;
+        self.measured(&(self.further)(Set::Last), plan)
+    }
+
+    /// The best of some rounds. In each round lines move to the spacings that the round before allows.
+    fn spaced(
+        &self,
+        stations: &[Station],
+        family: Family,
+        spread: &Spread,
+        mut allowed: Allowed,
+        sampling: fn(&Profile, f64) -> Sampling,
+        rounds: RangeInclusive<usize>,
+    ) -> Result<Spaced, NoPlan> {
+        let Self { workpiece, prepared, settings, region, stop, .. } = *self;
         let height = settings.scallop_height.mm();
-        let heading = Heading::of(direction.radians());
-        let spread = Spread::new(workpiece, stations, prepared, &heading, height);
-        let mut allowed = Allowed::of(&spread, &prepared.candidate, settings.left_out_share);
-        let maker = RunMaker {
-            workpiece,
-            prepared,
-            machine: &settings.machine,
-            heading: &heading,
-            spread: &spread,
-            chord_tolerance: CHORD_SHARE * height,
-            clearance: workpiece.top + settings.machine.clearance_height.mm(),
-            stop,
-        };
-        let mut best: Option<MilledPlan> = None;
-        for round in 1..=ROUNDS {
+        let sampling = sampling(&prepared.profile, CHORD_SHARE * height);
+        let maker = self.line_maker(&family, spread, sampling);
+        let mut best: Option<Spaced> = None;
+        for round in 1..=*rounds.end() {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
-            let samples = maker.samples(&lines);
-            if samples > MOST_SAMPLES {
-                return Err(NoPlan::TooLong);
-            }
-            self.samples.set(self.samples.get() + samples);
-            let mut runs = maker.runs(&lines).ok_or(NoPlan::TooLong)?;
+            let mut runs = maker.runs(&lines, self.samples)?;
             if stop() {
                 return Err(NoPlan::Stopped);
             }
             if runs.is_empty() {
                 return Err(NoPlan::NoRuns);
             }
-            let mut plan = self.judged_plan(&maker, direction, &lines, &runs)?;
-            // Where a few rounds do not keep the scallop height, places between the stations are the reason.
-            let margin = if round <= FEWEST_ROUNDS { 0.995 } else { 0.97 };
-            respace(&mut allowed, &lines, &heading, stations, &plan.judged, height, margin);
-            if self.left_standing(&plan) > 0.0 {
-                let along_borders = self.feet.get_or_init(|| Feet::of(workpiece, prepared, maker.chord_tolerance, stop)).runs(
+            let mut plan = self.judged_plan(stations, family, &lines, &runs)?;
+            if self.left_standing(stations, &plan) > 0.0 {
+                let along_borders = self.feet.get_or_init(|| Feet::of(workpiece, prepared, region, CHORD_SHARE * height, stop)).runs(
                     stations,
                     &plan.judged,
                     height,
                 );
                 if !along_borders.is_empty() {
                     runs.extend(along_borders);
-                    plan = self.judged_plan(&maker, direction, &lines, &runs)?;
+                    plan = self.judged_plan(stations, family, &lines, &runs)?;
                 }
             }
-            let is_last = round >= FEWEST_ROUNDS && best.as_ref().is_some_and(|best| !is_worthwhile(rank_of(best), rank_of(&plan)));
-            if best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best)) {
-                best = Some(plan);
+            // Where a few rounds do not keep the scallop height, places between the stations are the reason.
+            let margin = if round <= *rounds.start() { 0.995 } else { 0.97 };
+            let of_round = allowed.clone();
+            respace(&mut allowed, &lines, &family, stations, &plan.judged, height, margin);
+            let is_enough = round >= *rounds.start() && !is_worthwhile(best.as_ref().map(|best| rank_of(&best.plan)), &plan);
+            if best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(&best.plan)) {
+                best = Some(Spaced { plan, allowed: of_round, next: allowed.clone() });
             }
-            if is_last {
+            if is_enough {
                 break;
             }
         }
-        self.measured(&maker, best.ok_or(NoPlan::NoRuns)?)
+        best.ok_or(NoPlan::NoRuns)
     }
 
-    fn judged_plan(&self, maker: &RunMaker, direction: Angle, lines: &[f64], runs: &[Run]) -> Result<MilledPlan, NoPlan> {
-        let Self { workpiece, prepared, settings, stations, stop, .. } = *self;
+    fn line_maker<'b>(&'b self, family: &'b Family, spread: &'b Spread, sampling: Sampling) -> LineMaker<'b> {
+        let Self { workpiece, prepared, settings, region, stop, .. } = *self;
+        match family {
+            Family::Planes(heading) => LineMaker::Planes(RunMaker {
+                workpiece,
+                prepared,
+                region,
+                machine: &settings.machine,
+                heading,
+                spread,
+                sampling,
+                clearance: workpiece.top + settings.machine.clearance_height.mm(),
+                stop,
+            }),
+            Family::Levels => LineMaker::Levels(LevelMaker::new(workpiece, prepared, region, sampling.chord_tolerance, stop)),
+        }
+    }
+
+    fn judged_plan(&self, stations: &[Station], family: Family, lines: &[f64], runs: &[Run]) -> Result<MilledPlan, NoPlan> {
+        let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
-        let tour = Tour::of(workpiece, prepared, settings, runs, maker.chord_tolerance);
+        let tour = Tour::of(workpiece, prepared, settings, runs, CHORD_SHARE * height);
         let milled = Milled::new(&prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
-        let judged = judged(workpiece, stations, prepared, maker.heading.along, &milled, height, stop).ok_or(NoPlan::Stopped)?;
+        let judged = judged(workpiece, stations, prepared, &family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
         let finish = FinishFigures::of(stations, &judged, height);
-        Ok(MilledPlan { direction, lines: lines.to_vec(), tour, finish, judged })
+        Ok(MilledPlan { family, lines: lines.to_vec(), tour, finish, judged })
     }
 
-    /// A plan with the figures of the unseen stations.
-    fn measured(&self, maker: &RunMaker, plan: MilledPlan) -> Result<MilledPlan, NoPlan> {
-        let Self { workpiece, prepared, settings, unseen, stop, .. } = *self;
+    /// A plan with the figures of further stations.
+    fn measured(&self, unseen: &[Station], plan: MilledPlan) -> Result<MilledPlan, NoPlan> {
+        let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let milled = Milled::new(&prepared.profile, &plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
-        let judged = judged(workpiece, unseen, prepared, maker.heading.along, &milled, height, stop).ok_or(NoPlan::Stopped)?;
+        let judged = judged(workpiece, unseen, prepared, &plan.family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
         let finish = FinishFigures::of(unseen, &judged, height);
         let gouge = Length::computed(finish.gouge.mm().max(plan.finish.gouge.mm()));
         Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, ..plan })
     }
 
     /// The area in mm^2 of places that the cutter reaches and the path leaves far over the scallop height.
-    fn left_standing(&self, plan: &MilledPlan) -> f64 {
+    fn left_standing(&self, stations: &[Station], plan: &MilledPlan) -> f64 {
         let height = self.settings.scallop_height.mm();
         let stands = |(station, judged): &(&Station, &Judged)| station.lift <= height && judged.left.is_none_or(|left| left > 1.5 * height);
-        self.stations.iter().zip(&plan.judged).filter(stands).map(|(station, _)| station.place.area).sum()
+        stations.iter().zip(&plan.judged).filter(stands).map(|(station, _)| station.place.area).sum()
     }
 }
 
-/// Plans that keep the scallop height before those that do not, then by time, or by how much they exceed it.
-pub(super) fn rank_of(plan: &MilledPlan) -> (bool, f64) {
-    let over = plan.finish.far_over_share;
-    if over <= ENOUGH { (false, plan.tour.figures.seconds) } else { (true, over) }
+/// What makes the runs of a family of lines.
+enum LineMaker<'a> {
+    Planes(RunMaker<'a>),
+    Levels(LevelMaker<'a>),
 }
 
-/// Whether a round after one with the rank `before` has saved enough for another: as long as the scallop height is not kept,
-/// and while the time falls.
-fn is_worthwhile(before: (bool, f64), after: (bool, f64)) -> bool {
-    match (before.0, after.0) {
-        (true, _) => true,
-        (false, true) => false,
-        (false, false) => after.1 < (1.0 - WORTHWHILE) * before.1,
+impl LineMaker<'_> {
+    /// The runs of lines, whose samples are added to `samples`.
+    fn runs(&self, lines: &[f64], samples: &Cell<usize>) -> Result<Vec<Run>, NoPlan> {
+        match self {
+            Self::Planes(maker) => {
+                let of_lines = maker.samples(lines);
+                if of_lines > MOST_SAMPLES {
+                    return Err(NoPlan::TooLong);
+                }
+                samples.set(samples.get() + of_lines);
+                maker.runs(lines)
+            }
+            Self::Levels(maker) => maker.runs(lines),
+        }
+        .ok_or(NoPlan::TooLong)
     }
+}
+
+/// The time in s of plans that keep the scallop height; of others, longer by the factor by which they do not. The smaller is the
+/// better plan.
+fn rank_of(plan: &MilledPlan) -> f64 {
+    plan.tour.figures.seconds * (plan.finish.far_over_share / ENOUGH).max(1.0)
+}
+
+/// Whether another round is worth its time after this one and earlier ones with the best rank `before`: as long as the scallop height
+/// is not kept, and while plans get better.
+fn is_worthwhile(before: Option<f64>, this: &MilledPlan) -> bool {
+    this.finish.far_over_share > ENOUGH || before.is_some_and(|before| rank_of(this) < (1.0 - WORTHWHILE) * before)
 }

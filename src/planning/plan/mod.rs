@@ -8,17 +8,26 @@
 //! states what it leaves; `milled_plan` moves the lines until the scallop height is kept and used. `ranking` is the entry
 //! point, `weakness` rates it, and `passes` lists the points of the path. All lengths are in mm, all times in s.
 
+mod arrangement;
 mod border;
 mod candidate;
+mod candidate_plan;
+mod chain;
+mod drawn_places;
 mod estimate;
+mod family;
+mod hollows;
 mod judged;
 mod left;
+mod levels;
 mod milled_plan;
+mod operations;
 mod order;
 mod passes;
-mod places;
 mod prepared;
 mod ranking;
+mod region;
+mod rest;
 mod runs;
 mod settings;
 mod slopes;
@@ -31,11 +40,14 @@ mod travel;
 mod weakness;
 mod workpiece;
 
+pub(in crate::planning) use candidate::FeedRange;
 pub use candidate::{CandidateCutter, Drive};
+pub use candidate_plan::{CandidatePlan, MilledFigures, SpacingFigures};
 pub use judged::FinishFigures;
-pub use left::{LeftAt, left_at};
-pub use passes::{CutPoint, PassPoint, Passes, passes};
-pub use ranking::{CandidatePlan, MilledFigures, NotRanked, NotRankedReason, Ranking, SpacingFigures, estimated_times, rank};
+pub use left::{LeftAt, left_at, left_at_by_all, lifts_at};
+pub use operations::{Lines, OperationPlan, OperationsPlan};
+pub use passes::{CutPoint, PassPoint, Passes, passes, passes_of_all};
+pub use ranking::{NotRankedReason, Ranking, UnrankedCandidate, estimated_times, rank};
 pub use settings::{Directions, Pattern, PlanSettings};
 pub use tour::TourFigures;
 pub use travel::APPROACH_HEIGHT;

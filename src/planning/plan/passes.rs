@@ -1,9 +1,13 @@
 //! The points of a plan's path, in the order in which they are cut.
 
 use super::candidate::CandidateCutter;
-use super::ranking::CandidatePlan;
+use super::candidate_plan::{CandidatePlan, PlannedPath};
+use super::family::Family;
+use super::milled_plan::MilledPlan;
+use super::operations::OperationsPlan;
+use super::prepared::Prepared;
 use super::settings::PlanSettings;
-use super::spread::Heading;
+use super::tour::TourPoint;
 use super::workpiece::Workpiece;
 use crate::milling::{Contact, EvaluatedPass, Pass, Runout, SurfaceCurvature};
 use crate::path::MoveKind;
@@ -49,44 +53,58 @@ pub struct Passes {
     pub points: Vec<PassPoint>,
     /// The points at which runs begin.
     pub run_starts: Vec<usize>,
+    /// The operation of each run.
+    pub operations: Vec<usize>,
+    /// The points at which operations begin.
+    pub operation_starts: Vec<usize>,
 }
 
 /// The path of a milled plan; `None` for a plan that was estimated, or that is not the fastest. Once `stop` returns true,
 /// the result must be discarded.
 #[must_use]
-pub fn passes(
+pub fn passes(workpiece: &Workpiece, plan: &CandidatePlan, settings: &PlanSettings, stop: &(dyn Fn() -> bool + Sync)) -> Option<Passes> {
+    Some(of_paths(workpiece, &[plan.path.as_ref()?], settings, stop))
+}
+
+/// The paths of all operations, one after the other. Once `stop` returns true, the result must be discarded.
+#[must_use]
+pub fn passes_of_all(workpiece: &Workpiece, plan: &OperationsPlan, settings: &PlanSettings, stop: &(dyn Fn() -> bool + Sync)) -> Passes {
+    let paths: Vec<&PlannedPath> = plan.operations.iter().map(|operation| &operation.path).collect();
+    of_paths(workpiece, &paths, settings, stop)
+}
+
+fn of_paths(workpiece: &Workpiece, paths: &[&PlannedPath], settings: &PlanSettings, stop: &(dyn Fn() -> bool + Sync)) -> Passes {
+    let mut all = Passes { points: Vec::new(), run_starts: Vec::new(), operations: Vec::new(), operation_starts: Vec::new() };
+    for (operation, PlannedPath { plan, prepared }) in paths.iter().enumerate() {
+        let first = all.points.len();
+        all.operation_starts.push(first);
+        let points = plan.tour.points.par_iter().with_min_len(64);
+        all.points.par_extend(points.map(|point| pass_point(workpiece, plan, prepared, settings, point, stop)));
+        all.run_starts.extend(plan.tour.run_starts.iter().map(|start| first + start));
+        all.operations.resize(all.run_starts.len(), operation);
+    }
+    all
+}
+
+fn pass_point(
     workpiece: &Workpiece,
-    plan: &CandidatePlan,
-    candidate: &CandidateCutter,
+    plan: &MilledPlan,
+    prepared: &Prepared,
     settings: &PlanSettings,
+    point: &TourPoint,
     stop: &(dyn Fn() -> bool + Sync),
-) -> Option<Passes> {
-    let (milled, _) = plan.plan.as_ref()?;
-    let heading = Heading::of(plan.direction.radians());
-    let teeth_per_second = plan.milled.as_ref().and_then(|figures| {
-        let feed = figures.feed_per_tooth?.mm();
-        (feed > 0.0).then(|| figures.feed_rate.mm_s() / feed)
+) -> PassPoint {
+    let feed_per_tooth = prepared.range.map(|range| Length::computed(point.rate / range.teeth_per_second));
+    let cut = point.of_run.and_then(|tip| {
+        let target = tip.target.filter(|_| !stop())?;
+        let spacing = farther_line(&plan.lines, plan.family.number(tip.tip));
+        let step_over = Length::computed(spacing / plan.family.ratio(&workpiece.tangents[target]));
+        let (curvature, scallop_height) =
+            height_at(workpiece, target, &plan.family, &prepared.candidate, settings, step_over, feed_per_tooth);
+        let normal = Vector3::from(workpiece.targets[target].normal).normalize().into();
+        Some(CutPoint { contact: tip.contact, normal, step_over, scallop_height, curvature })
     });
-    let points = &milled.tour.points;
-    let point = |index: usize| {
-        let point = &points[index];
-        let feed_per_tooth = teeth_per_second.map(|teeth| Length::computed(point.rate / teeth));
-        let cut = point.of_run.and_then(|tip| {
-            let target = tip.target.filter(|_| !stop())?;
-            let step_over_xy = farther_line(&milled.lines, heading.of_point([tip.tip[0], tip.tip[1]])[1]);
-            let tangent = &workpiece.tangents[target];
-            let (cos_alpha, _) = tangent.alpha(heading.along);
-            let step_over = Length::computed(step_over_xy / tangent.ratio_squared(cos_alpha).sqrt());
-            let (curvature, scallop_height) = height_at(workpiece, target, &heading, candidate, settings, step_over, feed_per_tooth);
-            let normal = Vector3::from(workpiece.targets[target].normal).normalize().into();
-            Some(CutPoint { contact: tip.contact, normal, step_over, scallop_height, curvature })
-        });
-        PassPoint { tip: point.tip, kind: point.kind, cut, feed_per_tooth, feed_rate: Speed::computed(point.rate) }
-    };
-    Some(Passes {
-        points: (0..points.len()).into_par_iter().with_min_len(64).map(point).collect(),
-        run_starts: milled.tour.run_starts.clone(),
-    })
+    PassPoint { tip: point.tip, kind: point.kind, cut, feed_per_tooth, feed_rate: Speed::computed(point.rate) }
 }
 
 /// The distance from a line to the farther of its neighbours; of a single line, its distance to the border is not known, and
@@ -102,7 +120,7 @@ fn farther_line(lines: &[f64], across: f64) -> f64 {
 fn height_at(
     workpiece: &Workpiece,
     target: usize,
-    heading: &Heading,
+    family: &Family,
     candidate: &CandidateCutter,
     settings: &PlanSettings,
     step_over: Length,
@@ -110,7 +128,7 @@ fn height_at(
 ) -> ([f64; 3], Option<Length>) {
     let facet = &workpiece.targets[target];
     let normal = Vector3::from(facet.normal);
-    let [u, v] = heading.along;
+    let [u, v] = family.along(&workpiece.tangents[target]);
     // The feed in the tangent plane: over the direction seen from above.
     let along = Vector3::new(u, v, -(normal.x * u + normal.y * v) / normal.z).normalize();
     let across = normal.cross(&along);

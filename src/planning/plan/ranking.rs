@@ -2,29 +2,26 @@
 //! of the tips' path.
 
 use super::candidate::CandidateCutter;
+use super::candidate_plan::{CandidatePlan, KEPT, MilledFigures, PlannedPath};
+use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
 use super::estimate::{least_seconds, seconds};
-use super::judged::FinishFigures;
-use super::milled_plan::{MilledPlan, NoPlan, Planner, rank_of};
-use super::places::{Place, drawn};
+use super::family::{Family, Heading};
+use super::milled_plan::{Draft, MilledPlan, NoPlan, Planner};
+use super::operations::{OperationsPlan, operations};
 use super::prepared::{Prepared, rows_of};
+use super::region::Region;
+use super::rest::{drawn_until, left_by};
 use super::settings::{Directions, PlanSettings};
 use super::stations::{Station, stations};
-use super::tour::TourFigures;
 use super::weakness::{SurfaceEvidence, SurfaceWeakness};
 use super::workpiece::{SurfaceFigures, Workpiece};
 use crate::milling::{Cutter, Model};
 use crate::planning::{Confidence, Level, Reason, RectanglePlan, plan_on_rectangle};
-use crate::quantity::{Angle, Length, Speed, Time};
+use crate::quantity::{Angle, Length, Time};
 use rayon::prelude::*;
 use std::cell::{Cell, OnceCell};
 use std::cmp::Ordering;
 use std::fmt;
-
-/// The places on which directions are estimated.
-const ESTIMATED_ON: usize = 4_000;
-
-/// The places on which plans are judged. The standard error of a share of 0.5 % is then 0.05 %.
-const JUDGED_ON: usize = 20_000;
 
 /// Candidates whose estimated time is over this factor of the shortest one stay estimated.
 const FAR_BEHIND: f64 = 1.5;
@@ -37,9 +34,6 @@ const MOST_CANDIDATES: usize = 8;
 const MOST_SAMPLES: usize = 20_000_000;
 const ONE_DIRECTION: usize = 3_000_000;
 
-/// The share of the area that a path may leave more than 2 % over the scallop height and still keep it.
-const KEPT: f64 = 0.005;
-
 /// The directions of a candidate that are milled at most, and the factor over the shortest estimate beyond which a direction
 /// is not.
 const MOST_MILLED: usize = 3;
@@ -48,103 +42,30 @@ const MILLED_WITHIN: f64 = 1.15;
 /// The smallest angle between milled directions in deg. Nearer ones have nearly the same lines.
 const MILLED_APART: f64 = 2.0;
 
+/// The angle in deg under which one direction repeats another.
+const REPEATED: f64 = 0.2;
+
 /// The plans of all candidates on a part.
 #[derive(Debug, Clone)]
 pub struct Ranking {
     /// The plans, fastest first.
     pub plans: Vec<CandidatePlan>,
     /// The candidates without a plan.
-    pub not_ranked: Vec<NotRanked>,
+    pub not_ranked: Vec<UnrankedCandidate>,
     /// The figures of the surface.
     pub surface: SurfaceFigures,
+    /// The share of the area that the cutter of `rest_of` leaves, over which all plans and figures are; `None` without one.
+    pub rest_share: Option<f64>,
+    /// A plan of several operations that is faster than the first of `plans`; `None` if there is none, or one operation was asked
+    /// for.
+    pub operations: Option<OperationsPlan>,
     /// The confidence in the order of the plans; `None` without any.
     pub confidence: Option<Confidence<SurfaceWeakness>>,
 }
 
-/// The plan of one candidate.
-#[derive(Debug, Clone)]
-pub struct CandidatePlan {
-    /// The position of the cutter among the candidates.
-    pub candidate: usize,
-    /// The direction of the lines seen from above, counted from X.
-    pub direction: Angle,
-    /// The time of all runs and links: of the tips' path, or estimated.
-    pub time: Time,
-    /// The milled plan. It is `None`, and the time is an estimate, for a candidate that is too far behind or not among the
-    /// eight with the shortest estimates, and for paths that are too long.
-    pub milled: Option<MilledFigures>,
-    /// The share of the area that the cutter leaves over the scallop height because it does not fit, and the largest height
-    /// left there: of the milled path, or estimated.
-    pub uncut_share: f64,
-    /// The largest height left there.
-    pub uncut_height: Length,
-    /// A lower bound: no lines that keep the scallop height take less time.
-    pub least_time: Time,
-    /// The time of each direction that was tried; `None` if it has no plan. Times of directions that were not milled are
-    /// estimates.
-    pub by_direction: Vec<(Angle, Option<Time>)>,
-    /// The same cutter by the published method on a rectangle, for comparison; `None` without a shape, or if that method
-    /// finds no step-over.
-    pub rectangle: Option<RectanglePlan>,
-    /// Whether the flutes are shorter than the surface is deep.
-    pub flutes_too_short: bool,
-    pub(super) plan: Option<(MilledPlan, Prepared)>,
-}
-
-impl CandidatePlan {
-    /// The number of points of its path; 0 for a plan that was estimated, or that is not the fastest.
-    #[must_use]
-    pub fn points(&self) -> usize {
-        self.plan.as_ref().map_or(0, |(plan, _)| plan.tour.points.len())
-    }
-}
-
-/// The figures of a milled plan.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MilledFigures {
-    /// Runs, links and their lengths.
-    pub tour: TourFigures,
-    /// The number of lines.
-    pub lines: usize,
-    /// The spacing of the lines, seen from above.
-    pub step_over: SpacingFigures,
-    /// The mean feed rate of the runs: their length over the time they would take without stops.
-    pub feed_rate: Speed,
-    /// The mean feed per tooth, for cutters with a drive.
-    pub feed_per_tooth: Option<Length>,
-    /// What the path leaves.
-    pub finish: FinishFigures,
-    /// The time without acceleration over the least time.
-    pub layout_ratio: f64,
-}
-
-/// Spacings of lines, seen from above.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SpacingFigures {
-    /// The smallest.
-    pub min: Length,
-    /// The median.
-    pub median: Length,
-    /// The largest.
-    pub max: Length,
-}
-
-impl SpacingFigures {
-    /// The spacings of lines in order. A single line has the spacing `width`.
-    fn of(lines: &[f64], width: f64) -> Self {
-        let mut spacings: Vec<f64> = lines.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        if spacings.is_empty() {
-            spacings.push(width);
-        }
-        spacings.sort_by(f64::total_cmp);
-        let at = |index: usize| Length::computed(spacings[index]);
-        Self { min: at(0), median: at(spacings.len() / 2), max: at(spacings.len() - 1) }
-    }
-}
-
 /// A candidate without a plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NotRanked {
+pub struct UnrankedCandidate {
     /// The position of the cutter among the candidates.
     pub candidate: usize,
     /// The reason why it has no plan.
@@ -195,19 +116,30 @@ impl Estimated {
         self.directions.iter().filter_map(|(_, seconds)| *seconds).fold(f64::INFINITY, f64::min)
     }
 
-    /// The directions to mill, the one with the shortest estimate first.
-    fn to_mill(&self) -> Vec<Angle> {
-        let mut sorted: Vec<(Angle, f64)> = self.directions.iter().filter_map(|&(angle, seconds)| Some((angle, seconds?))).collect();
-        sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+    /// The directions to mill, the one with the shortest estimate first. One of them is along the part, unless all such are far
+    /// behind: estimates do not know that passes along a straight wall need no further ones at its foot.
+    fn to_mill(&self, along_part: &[Angle]) -> Vec<Angle> {
         let limit = MILLED_WITHIN * self.shortest();
-        let mut chosen: Vec<Angle> = Vec::new();
-        for (angle, seconds) in sorted {
-            if chosen.len() < MOST_MILLED && seconds <= limit && chosen.iter().all(|other| lines_apart(*other, angle) >= MILLED_APART) {
+        let within = |&(angle, seconds): &(Angle, Option<f64>)| seconds.filter(|seconds| *seconds <= limit).map(|seconds| (angle, seconds));
+        let mut sorted: Vec<(Angle, f64)> = self.directions.iter().filter_map(within).collect();
+        sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let is_along = |angle: &Angle| along_part.iter().any(|along| lines_apart(*along, *angle) < REPEATED);
+        let mut chosen: Vec<Angle> = sorted.first().map(|(angle, _)| *angle).into_iter().collect();
+        let along = sorted.iter().map(|(angle, _)| *angle).find(is_along);
+        chosen.extend(along.filter(|angle| !chosen.contains(angle)));
+        for (angle, _) in sorted {
+            if chosen.len() < MOST_MILLED && chosen.iter().all(|other| lines_apart(*other, angle) >= MILLED_APART) {
                 chosen.push(angle);
             }
         }
         chosen
     }
+}
+
+/// The directions along the part: X and Y, as parts are drawn, and those of its shape.
+fn along_part(settings: &PlanSettings) -> Vec<Angle> {
+    let of_shape: &[Angle] = if let Directions::All { beside } = &settings.directions { beside } else { &[] };
+    [Angle::ZERO, Angle::RIGHT].iter().chain(of_shape).copied().collect()
 }
 
 /// The angle between two lines, in deg.
@@ -220,7 +152,7 @@ fn lines_apart(one: Angle, other: Angle) -> f64 {
 fn apart_from(tried: &[(Angle, Option<f64>)], more: impl Iterator<Item = Angle>) -> Vec<Angle> {
     let mut new: Vec<Angle> = Vec::new();
     for angle in more {
-        let is_new = |other: &Angle| lines_apart(*other, angle) > 0.2;
+        let is_new = |other: &Angle| lines_apart(*other, angle) > REPEATED;
         if tried.iter().all(|(other, _)| is_new(other)) && new.iter().all(is_new) {
             new.push(angle);
         }
@@ -241,7 +173,17 @@ pub fn rank(
 ) -> Option<Ranking> {
     let height = settings.scallop_height.mm();
     let rows = rows_of(workpiece);
-    let few = drawn(workpiece, ESTIMATED_ON, 0);
+    let rest_of = settings.rest_of.map(Cutter::profile);
+    let places = |count: usize, seed: u64| match &rest_of {
+        None => drawn(workpiece, count, seed),
+        Some(profile) => {
+            drawn_until(workpiece, count, seed, &|_| true, &|places: Vec<DrawnPlace>| left_by(workpiece, profile, &places, height, stop))
+        }
+    };
+    let few = places(ESTIMATED_ON, 0);
+    // The parts of large facets that others hide do not count.
+    let area_of = |places: &[DrawnPlace]| places.iter().map(|place| place.area).sum::<f64>();
+    let rest_share = rest_of.as_ref().map(|_| (area_of(&few) / area_of(&drawn(workpiece, ESTIMATED_ON, 0))).min(1.0));
     let mut not_ranked = Vec::new();
     let mut estimated: Vec<Estimated> = Vec::new();
     for (index, candidate) in candidates.iter().enumerate() {
@@ -249,16 +191,17 @@ pub fn rank(
             return None;
         }
         match estimate(workpiece, index, candidate, settings, &rows, &few, stop) {
+            Ok(_) if rest_of.is_some() && few.is_empty() => {}
             Ok(of_candidate) => estimated.push(of_candidate),
-            Err(reason) => not_ranked.push(NotRanked { candidate: index, reason }),
+            Err(reason) => not_ranked.push(UnrankedCandidate { candidate: index, reason }),
         }
     }
     let mut shortest: Vec<f64> = estimated.iter().map(Estimated::shortest).collect();
     shortest.sort_by(f64::total_cmp);
     let last = shortest.get(MOST_CANDIDATES - 1).copied().unwrap_or(f64::INFINITY);
     let limit = shortest.first().map_or(0.0, |shortest| (FAR_BEHIND * shortest).min(last));
-    let [many, unseen] = [1, 2].map(|seed| drawn(workpiece, JUDGED_ON, seed));
-    let samples = Cell::new(0);
+    let sets: [OnceCell<Vec<DrawnPlace>>; 3] = Default::default();
+    let (samples, along_part) = (Cell::new(0), along_part(settings));
     let mut plans = Vec::new();
     estimated.sort_by(|a, b| a.shortest().total_cmp(&b.shortest()));
     for of_candidate in estimated {
@@ -268,14 +211,28 @@ pub fn rank(
             continue;
         }
         let prepared = &of_candidate.prepared;
-        let [on, unseen] = [&many, &unseen].map(|places| stations(workpiece, &prepared.profile, places, height, stop));
-        let planner =
-            Planner { workpiece, prepared, settings, stations: &on, unseen: &unseen, feet: OnceCell::new(), samples: &samples, stop };
-        let Directed { best, times, is_too_long } = in_best_direction(&planner, of_candidate.to_mill())?;
+        let of_set = |set: Set| {
+            let places = sets[set as usize - 1].get_or_init(|| places(JUDGED_ON, set.seed()));
+            stations(workpiece, &prepared.profile, places, height, stop)
+        };
+        let on = of_set(Set::Spaced);
+        let region = if rest_of.is_some() { Region::of_rest(&on, &prepared.profile, height) } else { Region::WHOLE };
+        let planner = Planner {
+            workpiece,
+            prepared,
+            settings,
+            region: &region,
+            stations: &on,
+            further: &of_set,
+            feet: OnceCell::new(),
+            samples: &samples,
+            stop,
+        };
+        let Directed { best, times, is_too_long } = in_best_direction(&planner, of_candidate.to_mill(&along_part))?;
         match best {
             Some(best) => plans.push(of_candidate.milled(workpiece, settings, best, &times)),
             None if is_too_long => plans.push(of_candidate.unmilled(workpiece, settings)),
-            None => not_ranked.push(NotRanked { candidate: index, reason: NotRankedReason::NoStepOver }),
+            None => not_ranked.push(UnrankedCandidate { candidate: index, reason: NotRankedReason::NoStepOver }),
         }
         keep_path_of_first(&mut plans);
     }
@@ -286,30 +243,35 @@ pub fn rank(
     not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
     let surface = workpiece.figures();
     let confidence = Confidence::of(&plans, candidates, &surface, settings.scallop_height, evidence);
-    Some(Ranking { plans, not_ranked, surface, confidence })
+    let operations = if rest_of.is_none() { operations(workpiece, candidates, settings, plans.first(), stop) } else { None };
+    if stop() {
+        return None;
+    }
+    Some(Ranking { plans, not_ranked, surface, rest_share, operations, confidence })
 }
 
 /// The plans of a candidate in several directions.
 struct Directed {
-    best: Option<MilledPlan>,
+    best: Option<(Angle, MilledPlan)>,
     /// The time of each direction that was planned, `None` without a plan.
     times: Vec<(Angle, Option<Time>)>,
     is_too_long: bool,
 }
 
-/// Plans a candidate in these directions, as long as its paths are short enough for further ones; `None` once `stop` returns
-/// true.
+/// Drafts the plans of a candidate in these directions, as long as its paths are short enough for further ones, and finishes the
+/// best; `None` once `stop` returns true.
 fn in_best_direction(planner: &Planner, directions: Vec<Angle>) -> Option<Directed> {
     let mut directed = Directed { best: None, times: Vec::new(), is_too_long: false };
+    let mut best: Option<(Angle, Draft)> = None;
     for direction in directions {
         let before = planner.samples.get();
-        let plan = planner.plan(direction);
+        let draft = planner.draft(Family::Planes(Heading::of(direction.radians())));
         let after = planner.samples.get();
-        match plan {
-            Ok(plan) => {
-                directed.times.push((direction, Some(Time::computed(plan.tour.figures.seconds))));
-                if directed.best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(best)) {
-                    directed.best = Some(plan);
+        match draft {
+            Ok(draft) => {
+                directed.times.push((direction, Some(Time::computed(draft.seconds))));
+                if best.as_ref().is_none_or(|(_, best)| draft.seconds < best.seconds) {
+                    best = Some((direction, draft));
                 }
                 if after - before > ONE_DIRECTION || after >= MOST_SAMPLES {
                     break;
@@ -322,6 +284,18 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>) -> Option<Direct
                 break;
             }
         }
+    }
+    let Some((direction, draft)) = best else { return Some(directed) };
+    match planner.finished(draft) {
+        Ok(plan) => {
+            let time = Time::computed(plan.tour.figures.seconds);
+            directed.times.retain(|(other, _)| *other != direction);
+            directed.times.push((direction, Some(time)));
+            directed.best = Some((direction, plan));
+        }
+        Err(NoPlan::Stopped) => return None,
+        Err(NoPlan::NoLines | NoPlan::NoRuns) => {}
+        Err(NoPlan::TooLong) => directed.is_too_long = true,
     }
     Some(directed)
 }
@@ -357,7 +331,7 @@ fn in_order(a: &CandidatePlan, b: &CandidatePlan) -> Ordering {
 fn keep_path_of_first(plans: &mut [CandidatePlan]) {
     let first = plans.iter().enumerate().min_by(|(_, a), (_, b)| in_order(a, b)).map(|(index, _)| index);
     for (_, plan) in plans.iter_mut().enumerate().filter(|(index, _)| Some(*index) != first) {
-        plan.plan = None;
+        plan.path = None;
     }
 }
 
@@ -367,7 +341,7 @@ fn estimate(
     candidate: &CandidateCutter,
     settings: &PlanSettings,
     rows: &[bool],
-    places: &[Place],
+    places: &[DrawnPlace],
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Estimated, NotRankedReason> {
     let height = settings.scallop_height.mm();
@@ -381,10 +355,13 @@ fn estimate(
     let is_refused = |station: &&&Station| station.lift > height + workpiece.sagitta_of(station.place.target);
     #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
     let refused_share = out_of_reach.iter().filter(is_refused).count() as f64 / on.len().max(1) as f64;
-    if refused_share > settings.max_uncut_share {
+    // The limit is a share of the whole area also where the places are those of a rest.
+    let part = places.iter().map(|place| place.area).sum::<f64>() / workpiece.area();
+    if refused_share * part.min(1.0) > settings.max_uncut_share {
         return Err(NotRankedReason::CannotReach { uncut_share, uncut_height: Length::computed(uncut_height) });
     }
-    let time = |direction: Angle| (direction, seconds(workpiece, &on, &prepared, settings, direction));
+    let time =
+        |direction: Angle| (direction, seconds(workpiece, &on, &prepared, settings, &Family::Planes(Heading::of(direction.radians()))));
     let all = |angles: Vec<Angle>| -> Vec<(Angle, Option<f64>)> { angles.into_par_iter().map(time).collect() };
     let directions = match &settings.directions {
         Directions::Only(only) => all(only.clone()),
@@ -425,9 +402,9 @@ impl Estimated {
             uncut_height: Length::computed(self.uncut_height),
             least_time: Time::computed(self.least_seconds),
             by_direction: self.directions.iter().map(|&(angle, seconds)| (angle, seconds.map(Time::computed))).collect(),
-            rectangle: on_rectangle(candidate.cutter, settings),
+            rectangle: on_rectangle(candidate, settings),
             flutes_too_short: candidate.flute_length.is_some_and(|flutes| flutes.mm() < depth),
-            plan: None,
+            path: None,
         }
     }
 
@@ -437,24 +414,15 @@ impl Estimated {
         self.plan(workpiece, settings, direction, shortest)
     }
 
-    fn milled(self, workpiece: &Workpiece, settings: &PlanSettings, best: MilledPlan, times: &[(Angle, Option<Time>)]) -> CandidatePlan {
-        let tour = best.tour.figures;
-        // The rounding of the sums may carry the mean over the machine's limit.
-        let rate = (tour.run_length / tour.cutting_seconds).min(settings.machine.limits.feed_rate.mm_s());
-        let [low, high] = workpiece.bounds;
-        let figures = MilledFigures {
-            tour,
-            lines: best.lines.len(),
-            step_over: SpacingFigures::of(
-                &best.lines,
-                (high[0] - low[0]).hypot(high[1] - low[1]).min(2.0 * self.prepared.profile.outer_radius()),
-            ),
-            feed_rate: Speed::computed(rate),
-            feed_per_tooth: self.prepared.range.map(|range| Length::computed(rate / range.teeth_per_second)),
-            finish: best.finish,
-            layout_ratio: if self.least_seconds > 0.0 { tour.moving_seconds / self.least_seconds } else { 1.0 },
-        };
-        let mut plan = self.plan(workpiece, settings, best.direction, tour.seconds);
+    fn milled(
+        self,
+        workpiece: &Workpiece,
+        settings: &PlanSettings,
+        (direction, best): (Angle, MilledPlan),
+        times: &[(Angle, Option<Time>)],
+    ) -> CandidatePlan {
+        let figures = MilledFigures::of(workpiece, settings, &self.prepared, &best, self.least_seconds);
+        let mut plan = self.plan(workpiece, settings, direction, figures.tour.seconds);
         for (direction, time) in &mut plan.by_direction {
             if let Some((_, milled)) = times.iter().find(|(angle, _)| angle == direction) {
                 *time = *milled;
@@ -464,16 +432,16 @@ impl Estimated {
             milled: Some(figures),
             uncut_share: best.finish.uncut_share,
             uncut_height: best.finish.uncut_height,
-            plan: Some((best, self.prepared)),
+            path: Some(PlannedPath { plan: best, prepared: self.prepared }),
             ..plan
         }
     }
 }
 
 /// The plan by the published method with its own model; `None` if a side is outside the range of lengths.
-fn on_rectangle(cutter: Cutter, settings: &PlanSettings) -> Option<RectanglePlan> {
+fn on_rectangle(candidate: &CandidateCutter, settings: &PlanSettings) -> Option<RectanglePlan> {
     let shape = settings.shape.as_ref()?;
-    plan_on_rectangle(cutter, shape, settings.scallop_height, settings.machine.limits, Model::Analytic).ok().flatten()
+    plan_on_rectangle(candidate, shape, settings, Model::Analytic).ok().flatten()
 }
 
 impl Confidence<SurfaceWeakness> {

@@ -1,11 +1,13 @@
-//! The runs of a direction: where its lines touch what is to be machined, with the tips of the cutter along them.
+//! The runs of planes in one direction: where they touch what is to be machined, with the tips of the cutter along them.
 
+use super::family::Heading;
 use super::prepared::Prepared;
-use super::spread::{Heading, Spread};
+use super::region::Region;
+use super::spread::Spread;
 use super::travel;
 use super::workpiece::Workpiece;
 use crate::motion::Machine;
-use crate::path::{Touch, sample_step, tips_between};
+use crate::path::{Sampling, Touch, tips_between};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -23,13 +25,16 @@ pub(super) struct Run {
     /// The position of its line; runs along borders have none.
     pub(super) line: Option<usize>,
     pub(super) tips: Vec<RunTip>,
+    /// Whether the last tip is joined to the first, which is not repeated.
+    pub(super) closed: bool,
     /// For each end, whether the surface ends there without a wall.
     open: [bool; 2],
 }
 
 impl Run {
-    pub(super) fn along_border(tips: Vec<RunTip>) -> Self {
-        Self { line: None, tips, open: [false; 2] }
+    /// A run along a curve, which is not lengthened.
+    pub(super) fn along_curve(line: Option<usize>, tips: Vec<RunTip>, closed: bool) -> Self {
+        Self { line, tips, closed, open: [false; 2] }
     }
 
     /// The first or the last tip.
@@ -39,16 +44,16 @@ impl Run {
     }
 }
 
-/// What the runs of one direction are made from.
+/// What the runs of planes in one direction are made from.
 #[derive(Clone, Copy)]
 pub(super) struct RunMaker<'a> {
     pub(super) workpiece: &'a Workpiece,
     pub(super) prepared: &'a Prepared,
+    pub(super) region: &'a Region,
     pub(super) machine: &'a Machine,
     pub(super) heading: &'a Heading,
     pub(super) spread: &'a Spread,
-    /// The largest distance in mm of chords from the tips' surface.
-    pub(super) chord_tolerance: f64,
+    pub(super) sampling: Sampling,
     /// The height in mm at which rapid moves cross the part.
     pub(super) clearance: f64,
     pub(super) stop: &'a (dyn Fn() -> bool + Sync),
@@ -69,7 +74,7 @@ pub(super) fn target_under(workpiece: &Workpiece, prepared: &Prepared, axis: [f6
 }
 
 /// The most tips of a path: of some 200 m on a curved part. It bounds the memory of a plan, some 200 MB.
-const MOST_TIPS: usize = 400_000;
+pub(super) const MOST_TIPS: usize = 400_000;
 
 /// The width in mm to which the end of a run is narrowed down.
 const END: f64 = 1e-3;
@@ -139,7 +144,7 @@ impl RunMaker<'_> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
     pub(super) fn samples(&self, lines: &[f64]) -> usize {
         let length: f64 = (0..lines.len()).filter_map(|position| self.line(position, lines)).map(|(_, [first, last])| last - first).sum();
-        (length / sample_step(&self.prepared.profile, self.chord_tolerance)) as usize
+        (length / self.sampling.step) as usize
     }
 
     /// A line, and the first and the last station along it between its neighbours; `None` if there are none.
@@ -163,7 +168,7 @@ impl RunMaker<'_> {
         let ends = [self.beyond_targets(first, -1.0, &line), self.beyond_targets(last, 1.0, &line)];
         let ends = ends.map(|along| self.heading.point([along, across]));
         let floor = self.workpiece.bounds[0][2] - 2.0 * radius;
-        let tips = tips_between(&self.workpiece.drop, &self.prepared.profile, ends[0], ends[1], self.chord_tolerance, Some(floor));
+        let tips = tips_between(&self.workpiece.drop, &self.prepared.profile, ends[0], ends[1], &self.sampling, Some(floor));
         let tips = tips.into_iter().map(|tip| {
             let [along, _] = self.heading.of_point([tip.position[0], tip.position[1]]);
             self.line_tip(along, &line, tip.position[2], tip.touch)
@@ -192,8 +197,9 @@ impl RunMaker<'_> {
     fn line_tip(&self, along: f64, line: &Line, height: f64, touch: Option<Touch>) -> LineTip {
         let target = touch.as_ref().and_then(|touch| {
             let axis = self.heading.point([along, line.across]);
-            target_under(self.workpiece, self.prepared, axis, touch, self.chord_tolerance)
+            target_under(self.workpiece, self.prepared, axis, touch, self.sampling.chord_tolerance)
                 .or_else(|| self.target_beside(along, line, touch))
+                .filter(|target| self.region.includes(*target, axis))
         });
         LineTip { along, height, touch, target }
     }
@@ -207,7 +213,7 @@ impl RunMaker<'_> {
         let [right, left] = line.half.map(|half| 0.98 * half.min(flat));
         [line.across - right, line.across + left].into_iter().find_map(|across| {
             let under = self.workpiece.facet_under(self.heading.point([along, across]))?;
-            ((touch.height - under.height).abs() <= self.chord_tolerance).then(|| self.workpiece.target_of(under.facet)).flatten()
+            ((touch.height - under.height).abs() <= self.sampling.chord_tolerance).then(|| self.workpiece.target_of(under.facet)).flatten()
         })
     }
 
@@ -220,7 +226,7 @@ impl RunMaker<'_> {
 
     /// The tips of a line with further ones on both sides of each place at which a target begins or ends.
     fn with_ends_of_targets(&self, tips: Vec<LineTip>, line: &Line) -> Vec<LineTip> {
-        let step = (self.prepared.profile.outer_radius() / 4.0).max(self.chord_tolerance);
+        let step = (self.prepared.profile.outer_radius() / 4.0).max(self.sampling.chord_tolerance);
         let mut all: Vec<LineTip> = Vec::with_capacity(tips.len() + 16);
         for tip in tips {
             if let Some(&before) = all.last() {
@@ -297,7 +303,7 @@ impl RunMaker<'_> {
         }
         let run = |[first, last]: [usize; 2]| {
             let falls = |end: usize, beyond: Option<usize>| {
-                beyond.and_then(|beyond| tips.get(beyond)).is_none_or(|next| next.height < tips[end].height + self.chord_tolerance)
+                beyond.and_then(|beyond| tips.get(beyond)).is_none_or(|next| next.height < tips[end].height + self.sampling.chord_tolerance)
             };
             // Where the flat finishes a level border, the half strips beside the line are finished already.
             let flat = self.prepared.profile.arcs()[0].point(0.0).0;
@@ -307,7 +313,7 @@ impl RunMaker<'_> {
                 let contact = tip.touch.map_or([0.0; 3], |touch| touch.contact.into());
                 RunTip { tip: point(tip), target: tip.target, contact }
             });
-            Run { line: Some(line), tips: tips.collect(), open }
+            Run { line: Some(line), tips: tips.collect(), closed: false, open }
         };
         joined.into_iter().map(run).collect()
     }
@@ -367,7 +373,7 @@ impl RunMaker<'_> {
             self.workpiece
                 .drop
                 .drop(&self.prepared.profile, point[0], point[1], None)
-                .is_none_or(|touch| touch.height <= point[2] + self.chord_tolerance)
+                .is_none_or(|touch| touch.height <= point[2] + self.sampling.chord_tolerance)
         };
         if [0.25, 0.5, 0.75, 1.0].into_iter().all(|part| is_free(at(part))) {
             let tip = RunTip { tip: at(1.0), target: None, ..end };

@@ -1,6 +1,6 @@
 //! The settings of a ranking, the same for all candidates: scallop height, machine, pattern and directions.
 
-use crate::milling::Model;
+use crate::milling::{Cutter, Model};
 use crate::motion::Machine;
 use crate::quantity::{Angle, Length};
 use crate::surface::Shape;
@@ -36,13 +36,17 @@ pub struct PlanSettings {
     pub left_out_share: f64,
     /// The largest share of the area that a ranked cutter may leave uncut.
     pub max_uncut_share: f64,
+    /// A cutter that has machined everything before: only what it could not reach is machined. `None` for everything.
+    pub rest_of: Option<Cutter>,
+    /// The most operations of a plan.
+    pub most_operations: usize,
     /// The shape of the surface, for the comparison with the published method; `None` omits the comparison.
     pub shape: Option<Shape>,
 }
 
 impl PlanSettings {
     /// Zigzag in all directions, spaced by model `envelope`, with the usual limits: slopes up to 85 deg, a thousandth
-    /// of each strip left out, half a per cent of the area uncut.
+    /// of each strip left out, half a per cent of the area uncut, one operation.
     #[must_use]
     pub fn new(scallop_height: Length, machine: Machine) -> Self {
         Self {
@@ -54,6 +58,8 @@ impl PlanSettings {
             directions: Directions::All { beside: Vec::new() },
             left_out_share: 0.001,
             max_uncut_share: 0.005,
+            rest_of: None,
+            most_operations: 1,
             shape: None,
         }
     }

@@ -20,7 +20,8 @@ pub(super) struct CutterSpacing {
     profile: Profile,
     /// 8 h, which turns a squared spacing into a curvature.
     eight_heights: f64,
-    diameter_squared: f64,
+    /// The square of the largest spacing: the diameter, and in model `analytic` at most that of a floor.
+    widest_squared: f64,
     /// Whether the curvature of the surface changes the spacing, as it does in model `envelope`.
     on_curved: bool,
     law: Law,
@@ -82,7 +83,7 @@ impl CutterSpacing {
     /// at slopes under 3 deg; the check of a plan corrects that.
     pub(super) const MARGIN: f64 = 0.006;
 
-    /// The same with tooth marks. There the interpolation exceeds the model's spacing by at most 1.1 %: the area per
+    /// The share by which interpolated values are reduced where they count tooth marks. There the interpolation exceeds the model's spacing by at most 1.1 %: the area per
     /// time is flat around its maximum, so that step-over and feed are found only to half a per cent.
     pub(super) const MARGIN_WITH_FEEDS: f64 = 0.014;
 
@@ -108,7 +109,9 @@ impl CutterSpacing {
             _ => tabulated(inputs),
         };
         let on_curved = model == Model::Envelope;
-        (Self { profile, eight_heights: 8.0 * h, diameter_squared: diameter * diameter, on_curved, law }, feed_law)
+        // Near a floor, where the circle is wider than the cutter, the published bound holds.
+        let widest = if on_curved { diameter } else { diameter.min(cutter.step_over_on_floor(height).mm()) };
+        (Self { profile, eight_heights: 8.0 * h, widest_squared: widest * widest, on_curved, law }, feed_law)
     }
 
     /// The squared spacing of vertical planes that a facet allows, seen from above, in mm^2; 0 if no spacing keeps the
@@ -126,7 +129,7 @@ impl CutterSpacing {
                 let bent = core * cos_alpha * cos_alpha / (tangent.sin * ratio_squared);
                 let radius = if core == 0.0 { corner } else { bent + corner };
                 if radius.is_nan() || radius > 1e12 {
-                    self.diameter_squared
+                    self.widest_squared
                 } else if radius >= *height {
                     4.0 * height * (2.0 * radius - height) * ratio_squared
                 } else {
@@ -136,7 +139,7 @@ impl CutterSpacing {
             Law::Table { squared } => interpolated(squared, tangent.place, cos_alpha),
         };
         let squared = if self.on_curved { self.on_curved_surface(on_plane, tangent, cos_alpha, sin_alpha) } else { on_plane };
-        squared.min(self.diameter_squared)
+        squared.min(self.widest_squared)
     }
 
     /// The squared spacing on the curved surface, computed from that on a plane. The relative curvature across the feed
@@ -170,7 +173,7 @@ impl CutterSpacing {
         let (heights, product) = (self.eight_heights, both * body);
         let rise = (determinant * body - n * both) * tangent.per_cos * tangent.per_cos;
         let curvature = heights * product + rise * on_plane;
-        if curvature > 0.0 { heights * on_plane * product / curvature } else { self.diameter_squared }
+        if curvature > 0.0 { heights * on_plane * product / curvature } else { self.widest_squared }
     }
 }
 
@@ -362,7 +365,8 @@ mod tests {
                 let best = best_step_over(cutter, Some(contact), model, height, limit, diameter / contact.spacing_ratio()).unwrap();
                 let exact = best.step_over * contact.spacing_ratio();
                 let (sin, cos) = alpha.to_radians().sin_cos();
-                let ratio = spacing.squared(&tangent(slope), cos, sin).sqrt() / exact.min(diameter);
+                let on_floor = if model == Model::Analytic { cutter.step_over_on_floor(height).mm() } else { diameter };
+                let ratio = spacing.squared(&tangent(slope), cos, sin).sqrt() / exact.min(diameter).min(on_floor);
                 range = [range[0].min(ratio), range[1].max(ratio)];
             }
         }

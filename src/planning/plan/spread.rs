@@ -1,42 +1,20 @@
-//! What the stations of a cutter allow in one direction: spacings and lengths of lines by their distance across it.
+//! What the stations of a cutter allow in one family of lines: spacings and lengths of lines by their number.
 
 use super::candidate::CandidateCutter;
+use super::family::Family;
 use super::prepared::Prepared;
 use super::stations::Station;
 use super::workpiece::Workpiece;
 
-/// A direction of lines seen from above.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Heading {
-    /// The unit vector along the lines.
-    pub(super) along: [f64; 2],
-    /// The unit vector across them, to the left.
-    pub(super) across: [f64; 2],
-}
-
-impl Heading {
-    pub(super) fn of(radians: f64) -> Self {
-        let (sin, cos) = radians.sin_cos();
-        Self { along: [cos, sin], across: [-sin, cos] }
-    }
-
-    /// The position along and across the lines.
-    pub(super) fn of_point(&self, point: [f64; 2]) -> [f64; 2] {
-        [self.along[0] * point[0] + self.along[1] * point[1], self.across[0] * point[0] + self.across[1] * point[1]]
-    }
-
-    pub(super) fn point(&self, [u, c]: [f64; 2]) -> [f64; 2] {
-        [u * self.along[0] + c * self.across[0], u * self.along[1] + c * self.across[1]]
-    }
-}
-
-/// A station as one direction sees it.
+/// A station as one family of lines sees it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     pub(super) along: f64,
     pub(super) across: f64,
     /// The squared spacing that it allows, in mm^2.
     pub(super) squared: f64,
+    /// Whether it is nearly level: the spacing is that of the cutter's flat, and hardly more of it leaves far more height.
+    is_level: bool,
     /// Its part of the integral of length over the distance across, in mm^2: its area times the ratio of spacings.
     pub(super) length: f64,
     /// Its part of the integral of time over the distance across, in s mm.
@@ -49,20 +27,23 @@ pub(super) struct Spread {
     pub(super) range: [f64; 2],
 }
 
+/// The sine of the slope up to which a place is nearly level.
+const NEARLY_LEVEL: f64 = 0.05;
+
 impl Spread {
-    pub(super) fn new(workpiece: &Workpiece, stations: &[Station], prepared: &Prepared, heading: &Heading, tolerance: f64) -> Self {
+    pub(super) fn new(workpiece: &Workpiece, stations: &[Station], prepared: &Prepared, family: &Family, tolerance: f64) -> Self {
         let mut seen: Vec<Seen> = Vec::with_capacity(stations.len());
         for station in stations {
             if station.lift > tolerance {
                 continue;
             }
             let tangent = &workpiece.tangents[station.place.target];
-            let (cos_alpha, sin_alpha) = tangent.alpha(heading.along);
-            let [along, across] = heading.of_point(station.axis);
-            let length = station.place.area * tangent.ratio_squared(cos_alpha).sqrt();
+            let (cos_alpha, _) = tangent.alpha(family.along(tangent));
+            let [along, across] = family.of_station(station);
+            let length = station.place.area * family.ratio(tangent);
             let time = length / prepared.feeds.rate(tangent, cos_alpha, 1.0);
-            let squared = prepared.spacing.squared(tangent, cos_alpha, sin_alpha);
-            seen.push(Seen { along, across, squared, length, time });
+            let squared = family.squared_spacing(prepared, tangent);
+            seen.push(Seen { along, across, squared, is_level: tangent.sin < NEARLY_LEVEL, length, time });
         }
         seen.sort_unstable_by(|a, b| a.across.total_cmp(&b.across));
         let range = match (seen.first(), seen.last()) {
@@ -86,12 +67,16 @@ pub(super) struct Allowed {
     first: f64,
     width: f64,
     squared: Vec<f64>,
-    widest: f64,
+    /// What each bin's squared spacing can be widened to.
+    most: Vec<f64>,
 }
 
 /// Bins narrower than this share of the widest spacing do not change where lines are.
 const BINS_A_SPACING: f64 = 16.0;
 const MOST_BINS: f64 = 8192.0;
+
+/// The halvings in the search of the factor of all spacings, for a thousandth of it.
+const FACTOR_HALVINGS: u32 = 10;
 
 impl Allowed {
     /// The spacings of a spread. In each bin, the share `left_out` of the area may allow less.
@@ -105,6 +90,7 @@ impl Allowed {
         #[expect(clippy::cast_precision_loss, reason = "at most 8192")]
         let width = extent / count as f64;
         let mut squared = vec![widest * widest; count];
+        let mut most = squared.clone();
         // Over the whole direction, the stations of the least share of the area are left out.
         let mut by_spacing: Vec<&Seen> = spread.seen.iter().collect();
         by_spacing.sort_unstable_by(|a, b| a.squared.total_cmp(&b.squared));
@@ -114,13 +100,16 @@ impl Allowed {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the bins")]
             let bin = (((seen.across - first) / width) as usize).min(count - 1);
             squared[bin] = f64::min(squared[bin], seen.squared);
+            if seen.is_level {
+                most[bin] = f64::min(most[bin], seen.squared);
+            }
         }
-        Self { first, width, squared, widest }
+        Self { first, width, squared, most }
     }
 
     /// The largest spacing of neighbouring lines from `from` on that everything between them allows; 0 if there is none.
     pub(super) fn next(&self, from: f64) -> f64 {
-        let mut least = self.widest;
+        let mut least = f64::INFINITY;
         let mut bin = self.bin(from);
         loop {
             least = least.min(self.squared[bin].sqrt());
@@ -136,7 +125,7 @@ impl Allowed {
     /// Multiplies the spacings allowed from `from` to `to`.
     pub(super) fn scale(&mut self, from: f64, to: f64, factor: f64) {
         for bin in self.bin(from)..=self.bin(to) {
-            self.squared[bin] = (self.squared[bin] * factor * factor).min(self.widest * self.widest);
+            self.squared[bin] = (self.squared[bin] * factor * factor).min(self.most[bin]);
         }
     }
 
@@ -145,11 +134,27 @@ impl Allowed {
         ((((across - self.first) / self.width).max(0.0)) as usize).min(self.squared.len() - 1)
     }
 
-    /// The distances across of all lines: the first half a spacing from the border, the last at most half a spacing from
-    /// the other border. `None` if some spacing is 0 or there are more than `most`.
+    /// The distances across of all lines: the first half a spacing from the border, the last half a spacing from the other
+    /// border. `None` if some spacing is 0 or there are more than `most`.
+    ///
+    /// As few lines as the spacings allow would overshoot the other border. So all spacings are reduced by one factor, with which
+    /// the lines just reach it: moved lines would leave the places whose spacings they have.
     pub(super) fn lines(&self, range: [f64; 2], most: usize) -> Option<Vec<f64>> {
-        let [first, last] = range;
-        let begin = self.next(first);
+        let mut fewest = self.lines_at(range, 1.0, most)?;
+        let [mut too_small, mut factor] = [0.0, 1.0];
+        for _ in 0..FACTOR_HALVINGS {
+            let middle = f64::midpoint(too_small, factor);
+            match self.lines_at(range, middle, fewest.len()) {
+                Some(lines) => (fewest, factor) = (lines, middle),
+                None => too_small = middle,
+            }
+        }
+        Some(fewest)
+    }
+
+    /// The lines with all spacings multiplied by `factor`, from the first border until half a spacing reaches the other one.
+    fn lines_at(&self, [first, last]: [f64; 2], factor: f64, most: usize) -> Option<Vec<f64>> {
+        let begin = factor * self.next(first);
         if begin <= 0.0 {
             return None;
         }
@@ -159,28 +164,14 @@ impl Allowed {
         let mut lines = vec![first + begin / 2.0];
         loop {
             let at = lines[lines.len() - 1];
-            let spacing = self.next(at);
+            let spacing = factor * self.next(at);
+            if at + spacing / 2.0 >= last && spacing > 0.0 {
+                return Some(lines);
+            }
             if spacing <= 0.0 || lines.len() >= most {
                 return None;
             }
-            if at + spacing / 2.0 >= last {
-                break;
-            }
             lines.push((at + spacing).min(last - 1e-9 * (last - first)));
         }
-        Some(evened(lines, last, self))
     }
-}
-
-/// The lines moved so that the last one is half of the spacing there from the border: the surplus is divided among all.
-fn evened(mut lines: Vec<f64>, last: f64, allowed: &Allowed) -> Vec<f64> {
-    let (Some(&begin), Some(&end)) = (lines.first(), lines.last()) else { return lines };
-    let wanted = last - allowed.next(end) / 2.0;
-    if lines.len() > 1 && wanted < end && wanted > begin {
-        let factor = (wanted - begin) / (end - begin);
-        for line in &mut lines {
-            *line = begin + (*line - begin) * factor;
-        }
-    }
-    lines
 }

@@ -1,6 +1,6 @@
 //! For each place of the surface, the tip at which a cutter finishes it, and whether the cutter can stand there.
 
-use super::places::Place;
+use super::drawn_places::DrawnPlace;
 use super::workpiece::Workpiece;
 use crate::milling::Profile;
 use rayon::prelude::*;
@@ -8,9 +8,11 @@ use rayon::prelude::*;
 /// A place with the tip that finishes it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Station {
-    pub(super) place: Place,
+    pub(super) place: DrawnPlace,
     /// Where the axis stands, seen from above.
     pub(super) axis: [f64; 2],
+    /// The height of the tip that touches the place, in mm.
+    pub(super) tip: f64,
     /// The height in mm by which other facets hold the cutter above its contact with the place; 0 where it can touch it.
     pub(super) lift: f64,
 }
@@ -23,15 +25,15 @@ const MOST_STEPS: usize = 16;
 pub(super) fn stations(
     workpiece: &Workpiece,
     profile: &Profile,
-    places: &[Place],
+    places: &[DrawnPlace],
     tolerance: f64,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Station> {
-    let station = |place: &Place| if stop() { None } else { Some(station(workpiece, profile, *place, tolerance)) };
+    let station = |place: &DrawnPlace| if stop() { None } else { Some(station(workpiece, profile, *place, tolerance)) };
     places.par_iter().with_min_len(64).filter_map(station).collect()
 }
 
-fn station(workpiece: &Workpiece, profile: &Profile, place: Place, tolerance: f64) -> Station {
+fn station(workpiece: &Workpiece, profile: &Profile, place: DrawnPlace, tolerance: f64) -> Station {
     let tangent = &workpiece.tangents[place.target];
     let guess = Some(workpiece.facet_of(place.target));
     let [x, y, z] = place.point;
@@ -43,10 +45,10 @@ fn station(workpiece: &Workpiece, profile: &Profile, place: Place, tolerance: f6
     if flat * tangent.sin > 0.1 * tolerance || flat == 0.0 {
         let axis = [x + offset * tangent.down_hill[0], y + offset * tangent.down_hill[1]];
         let lift = lift_at(axis, z - height).map_or(0.0, |(lift, _)| lift.max(0.0));
-        return Station { place, axis, lift };
+        return Station { place, axis, tip: z - height, lift };
     }
     let mut axis = [x, y];
-    let mut best = Station { place, axis, lift: f64::INFINITY };
+    let mut best = Station { place, axis, tip: z, lift: f64::INFINITY };
     for _ in 0..MOST_STEPS {
         let Some((lift, touch)) = lift_at(axis, z) else { break };
         if lift < best.lift {

@@ -6,7 +6,9 @@ use super::runs::{Run, RunTip, STEP_IN_RADII, highest_step};
 use super::settings::{Pattern, PlanSettings};
 use super::travel::{self, APPROACH_HEIGHT};
 use super::workpiece::Workpiece;
-use crate::path::{Move, MoveKind, tips_between};
+use crate::motion::TimedMove;
+use crate::path::{Move, MoveKind, Sampling, tips_between};
+use crate::quantity::Speed;
 
 /// Links longer than this in radii of the cutter go over the clearance height.
 const NEAR_IN_RADII: f64 = 6.0;
@@ -60,10 +62,22 @@ impl Tour {
         let mut tour = Self::default();
         for leg in in_order(runs, settings.pattern, near) {
             tour.add_link(workpiece, prepared, settings, runs, leg, chord_tolerance);
-            tour.add_run(workpiece, prepared, settings, &runs[leg.run], leg.reversed);
+            tour.add_run(workpiece, prepared, settings, &leg.tips(runs));
         }
         tour.retract(workpiece, settings);
+        if settings.machine.path_tolerance.is_some() {
+            tour.figures.seconds = settings.machine.time_of(tour.timed_moves()).seconds();
+        }
         tour
+    }
+
+    /// The moves with their feed rates, for a control that looks ahead.
+    fn timed_moves(&self) -> impl Iterator<Item = TimedMove> {
+        self.points.windows(2).map(|pair| TimedMove {
+            from: pair[0].tip,
+            to: pair[1].tip,
+            feed_rate: (pair[1].kind != MoveKind::Rapid).then(|| Speed::computed(pair[1].rate)),
+        })
     }
 
     /// The approach to the first tip, straight down from the clearance height.
@@ -94,12 +108,11 @@ impl Tour {
         self.points.windows(2).map(|pair| Move { from: pair[0].tip, to: pair[1].tip, kind: pair[1].kind }).collect()
     }
 
-    fn add_run(&mut self, workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, run: &Run, reversed: bool) {
+    fn add_run(&mut self, workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, tips: &[&RunTip]) {
         self.run_starts.push(self.points.len());
-        let tips: Vec<&RunTip> = if reversed { run.tips.iter().rev().collect() } else { run.tips.iter().collect() };
         let (mut length, mut seconds) = (0.0, 0.0);
         let mut last: Option<&RunTip> = None;
-        for tip in tips {
+        for &tip in tips {
             let (step, rate) = match last {
                 None => (0.0, prepared.link_rate),
                 Some(last) => (travel::distance(last.tip, tip.tip), rate_of_move(workpiece, prepared, last, tip)),
@@ -113,7 +126,7 @@ impl Tour {
             last = Some(tip);
         }
         if let Some(start) = self.run_starts.last_mut() {
-            *start = (*start).min(self.points.len().saturating_sub(run.tips.len()));
+            *start = (*start).min(self.points.len().saturating_sub(tips.len()));
         }
         self.figures.runs += 1;
         self.figures.run_length += length;
@@ -131,7 +144,7 @@ impl Tour {
         leg: Leg,
         chord_tolerance: f64,
     ) {
-        let to = runs[leg.run].end(leg.reversed);
+        let to = leg.begin(runs);
         let Some(from) = self.points.last().map(|point| point.tip) else {
             return self.approach(workpiece, prepared, settings, to);
         };
@@ -175,7 +188,8 @@ fn link_point(tip: [f64; 3], kind: MoveKind, rate: f64) -> TourPoint {
 /// A straight link seen from above that is nowhere under the tips' surface: straight in space where it can be.
 fn link_on_surface(workpiece: &Workpiece, prepared: &Prepared, from: [f64; 3], to: [f64; 3], chord_tolerance: f64) -> Vec<[f64; 3]> {
     let floor = from[2].min(to[2]);
-    let tips = tips_between(&workpiece.drop, &prepared.profile, [from[0], from[1]], [to[0], to[1]], chord_tolerance, Some(floor));
+    let sampling = Sampling::fine(&prepared.profile, chord_tolerance);
+    let tips = tips_between(&workpiece.drop, &prepared.profile, [from[0], from[1]], [to[0], to[1]], &sampling, Some(floor));
     let across = (to[0] - from[0]).hypot(to[1] - from[1]).max(1e-12);
     let straight = |x: f64, y: f64| from[2] + (to[2] - from[2]) * (x - from[0]).hypot(y - from[1]) / across;
     let mut points = vec![from];

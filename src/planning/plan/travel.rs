@@ -12,7 +12,8 @@ pub(super) fn straight(length: f64, rate: f64, machine: &Machine) -> f64 {
     if length <= 0.0 {
         return 0.0;
     }
-    travel_time(Length::computed(length), MachineLimits { feed_rate: Speed::computed(rate), ..machine.limits }).seconds()
+    let limits = MachineLimits { feed_rate: Speed::computed(rate), ..machine.limits };
+    machine.time_factor * travel_time(Length::computed(length), limits).seconds()
 }
 
 /// The time in s of a run from rest to rest at its mean speed: `length` mm that take `seconds` without stops.

@@ -26,6 +26,7 @@ pub struct Workpiece {
     facets: Vec<u32>,
     /// The target of each facet, or [`NONE`].
     target_of: Vec<u32>,
+    points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     /// The facets around each point, those of point p from `around_starts[p]` to `around_starts[p + 1]`.
     around: Vec<u32>,
@@ -90,12 +91,22 @@ impl Workpiece {
         }
         let top = points.iter().map(|point| point[2]).fold(f64::NEG_INFINITY, f64::max);
         let tangents = targets.iter().map(Tangent::of).collect();
-        Self { drop, targets, tangents, facets, target_of, triangles, around, around_starts, bounds, top, steep_area }
+        Self { drop, targets, tangents, facets, target_of, points, triangles, around, around_starts, bounds, top, steep_area }
     }
 
     /// The facet of a target in the mesh.
     pub(super) fn facet_of(&self, target: usize) -> u32 {
         self.facets[target]
+    }
+
+    /// The area in mm^2 of what is machined.
+    pub(super) fn area(&self) -> f64 {
+        self.targets.iter().map(|target| target.area).sum()
+    }
+
+    /// Whether the slope of a target is between two, in rad.
+    pub(super) fn is_sloped(&self, target: usize, [from, to]: [f64; 2]) -> bool {
+        (from..=to).contains(&self.tangents[target].slope())
     }
 
     /// The number of facets that are machined.
@@ -144,6 +155,18 @@ impl Workpiece {
         let triangle = self.triangles[touch.facet as usize];
         let first = if let Feature::Edge(first) = touch.feature { usize::from(first) } else { 0 };
         [triangle[first], triangle[(first + 1) % 3]]
+    }
+
+    /// The corners of a facet.
+    pub(super) fn corners_of(&self, facet: u32) -> [Vector3<f64>; 3] {
+        self.triangles[facet as usize].map(|corner| self.points[corner as usize].into())
+    }
+
+    /// The facet on the other side of the edge that begins at a corner; `None` if there are none or several.
+    pub(super) fn neighbour_of(&self, facet: u32, first: usize) -> Option<u32> {
+        let corners = self.triangles[facet as usize];
+        let mut beside = self.facets_beside([corners[first], corners[(first + 1) % 3]]).into_iter().filter(|other| *other != facet);
+        beside.next().filter(|_| beside.next().is_none())
     }
 
     fn facets_beside(&self, [a, b]: [u32; 2]) -> Vec<u32> {

@@ -1,6 +1,6 @@
 //! The critical slope and the critical form factor, at which both cutters take the same time.
 
-use super::{InclinedRectangle, Job};
+use super::{CutterComparison, InclinedRectangle};
 use crate::milling::{Model, NoAnswer};
 use crate::motion::{TravelCase, travel_time};
 use crate::numerics::bracketed_root;
@@ -72,12 +72,12 @@ const FLATTEST: f64 = 1e-6;
 /// The critical slope s_c(mu, chi) of a rectangle: T1(s_c) = T2.
 ///
 /// It has a closed form if passes reach the feed rate and only the jerk limits the steps between them [Herraz et al.
-/// 2020, eq. 10-14, eq. 13 with its sign corrected]. Otherwise the root is bracketed; T1 grows with s, so there is at
-/// most one.
+/// 2020, eq. 10-14, eq. 13 with its sign corrected]. Otherwise the root is bracketed; T1 grows with s, but is constant where
+/// the bound of the floor holds, so there is at most one.
 ///
 /// # Errors
 /// The [`NoAnswer`] of the step-over on a slope that the search evaluates.
-pub fn critical_slope(job: &Job, rectangle: InclinedRectangle) -> Result<CriticalSlope, NoAnswer> {
+pub fn critical_slope(job: &CutterComparison, rectangle: InclinedRectangle) -> Result<CriticalSlope, NoAnswer> {
     let on_wall = excess_at_slope(job, rectangle, Angle::RIGHT)?;
     if on_wall < -TIE {
         return Ok(CriticalSlope::ToroidalAlways);
@@ -92,14 +92,14 @@ pub fn critical_slope(job: &Job, rectangle: InclinedRectangle) -> Result<Critica
 }
 
 /// ln(T1/T2) at a slope, negative if the toroidal cutter is faster.
-fn excess_at_slope(job: &Job, rectangle: InclinedRectangle, slope: Angle) -> Result<f64, NoAnswer> {
+fn excess_at_slope(job: &CutterComparison, rectangle: InclinedRectangle, slope: Angle) -> Result<f64, NoAnswer> {
     let zigzag = rectangle.up_and_down(job.toroidal_step_over(slope)?, job.machine());
     Ok((zigzag.time.seconds() / ball_end_time(job, rectangle)).ln())
 }
 
 /// The critical slope of a rectangle on which the ball-end cutter is faster on a wall. The search uses the logarithms
 /// of T1 and s, because T1 is nearly a power of s on gentle slopes.
-fn critical_slope_by_bracketing(job: &Job, rectangle: InclinedRectangle) -> Result<CriticalSlope, NoAnswer> {
+fn critical_slope_by_bracketing(job: &CutterComparison, rectangle: InclinedRectangle) -> Result<CriticalSlope, NoAnswer> {
     let (flattest, wall) = (FLATTEST.to_radians(), Angle::RIGHT.radians());
     // The exponential of the wall's logarithm may exceed the wall by a rounding error.
     let slope = |logarithm: f64| Angle::from_radians(logarithm.exp().min(wall));
@@ -111,14 +111,14 @@ fn critical_slope_by_bracketing(job: &Job, rectangle: InclinedRectangle) -> Resu
 }
 
 /// T2, the time of the ball-end cutter along the long side, in s.
-fn ball_end_time(job: &Job, rectangle: InclinedRectangle) -> f64 {
+fn ball_end_time(job: &CutterComparison, rectangle: InclinedRectangle) -> f64 {
     rectangle.along_the_long_side(job.ball_end_step_over(), job.machine()).time.seconds()
 }
 
 /// The critical slope in closed form. With z = cbrt(sod1), T1 = T2 reads z^3 - p z - q = 0, p = 4 w / (T2 cbrt(2J)), q
 /// = w t(h) / T2. `None` unless the assumptions hold: the analytic model, passes that reach the feed rate, steps that
-/// only the jerk limits, and a single real root.
-fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Option<Angle> {
+/// only the jerk limits and that are shorter than on a floor, and a single real root.
+fn critical_slope_in_closed_form(job: &CutterComparison, rectangle: InclinedRectangle) -> Option<Angle> {
     let machine = job.machine();
     if job.model() != Model::Analytic || !TravelCase::of(rectangle.height(), machine).reaches_feed_rate() {
         return None;
@@ -139,6 +139,9 @@ fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Opt
     }
     // R_eff = sh/2 + sod1^2/(8 sh) = (R - r)/sin(s_c) + r
     let (scallop, cutter) = (job.scallop_height().mm(), job.toroidal());
+    if step_over >= cutter.step_over_on_floor(job.scallop_height()).mm() {
+        return None;
+    }
     let effective_radius = scallop / 2.0 + step_over * step_over / (8.0 * scallop);
     let sin = cutter.core_radius().mm() / (effective_radius - cutter.corner_radius().mm());
     (sin > 0.0 && sin <= 1.0).then(|| Angle::of_vector(((1.0 - sin) * (1.0 + sin)).sqrt(), sin)).flatten()
@@ -151,7 +154,7 @@ fn critical_slope_in_closed_form(job: &Job, rectangle: InclinedRectangle) -> Opt
 ///
 /// # Errors
 /// The [`NoAnswer`] of the step-over at that slope.
-pub fn critical_form_factor(job: &Job, characteristic_size: Area, slope: Angle) -> Result<CriticalFormFactor, NoAnswer> {
+pub fn critical_form_factor(job: &CutterComparison, characteristic_size: Area, slope: Angle) -> Result<CriticalFormFactor, NoAnswer> {
     let toroidal = job.toroidal_step_over(slope)?;
     let on_square = excess_at_form_factor(job, characteristic_size, toroidal, 1.0);
     if on_square > TIE {
@@ -165,13 +168,13 @@ pub fn critical_form_factor(job: &Job, characteristic_size: Area, slope: Angle) 
 }
 
 /// ln(T1/T2) at a form factor, with the toroidal cutter's step-over; negative if the toroidal cutter is faster.
-fn excess_at_form_factor(job: &Job, characteristic_size: Area, toroidal: Length, mu: f64) -> f64 {
+fn excess_at_form_factor(job: &CutterComparison, characteristic_size: Area, toroidal: Length, mu: f64) -> f64 {
     let rectangle = InclinedRectangle::of_any_size(mu, characteristic_size);
     (rectangle.up_and_down(toroidal, job.machine()).time.seconds() / ball_end_time(job, rectangle)).ln()
 }
 
 /// The critical form factor, by bracketing, at a step-over with which the toroidal cutter is faster on a square.
-fn critical_form_factor_by_bracketing(job: &Job, characteristic_size: Area, toroidal: Length) -> FormFactor {
+fn critical_form_factor_by_bracketing(job: &CutterComparison, characteristic_size: Area, toroidal: Length) -> FormFactor {
     // T1 >= w/V = sqrt(mu chi)/V, and T2 is at most its value on a square, so T1 and T2 cross before these bounds do.
     // The bracket ends at twice that form factor, so that rounding does not matter.
     let square = InclinedRectangle::of_any_size(1.0, characteristic_size);
@@ -186,7 +189,7 @@ fn critical_form_factor_by_bracketing(job: &Job, characteristic_size: Area, toro
 /// The critical form factor in closed form. With k = sod2/sod1 and t0 the time that a pass loses to stops, T1 = T2
 /// reads a mu + b sqrt(mu) + c = 0, a = k (t0 + t(sod1)), b = -(1 - k) sqrt(chi)/V, c = -(t0 + t(sod2)); c/a < 0, so
 /// one root is positive. `None` if a pass would not reach the feed rate, or mu would be under 1.
-fn critical_form_factor_in_closed_form(job: &Job, characteristic_size: Area, toroidal: Length) -> Option<FormFactor> {
+fn critical_form_factor_in_closed_form(job: &CutterComparison, characteristic_size: Area, toroidal: Length) -> Option<FormFactor> {
     let (machine, ball_end) = (job.machine(), job.ball_end_step_over());
     let ratio = ball_end.mm() / toroidal.mm();
     let stops = machine.time_lost_to_stops();
@@ -219,18 +222,18 @@ mod tests {
     }
 
     /// A toroidal cutter 2R x r with a ball-end cutter, on a machine in mm/min, m/s^2 and m/s^3.
-    fn job((diameter, corner): (f64, f64), ball: f64, scallop: f64, (v, a, j): (f64, f64, f64)) -> Job {
+    fn job((diameter, corner): (f64, f64), ball: f64, scallop: f64, (v, a, j): (f64, f64, f64)) -> CutterComparison {
         let machine = MachineLimits {
             feed_rate: Speed::from_mm_min(v).unwrap(),
             acceleration: Acceleration::from_m_s2(a).unwrap(),
             jerk: Jerk::from_m_s3(j).unwrap(),
         };
         let toroidal = Cutter::toroidal(mm(diameter), mm(corner)).unwrap();
-        Job::new(toroidal, Cutter::ball_end(mm(ball)), mm(scallop), machine, Model::Analytic).unwrap()
+        CutterComparison::new(toroidal, Cutter::ball_end(mm(ball)), mm(scallop), machine, Model::Analytic).unwrap()
     }
 
     /// The paper's cutters and machine.
-    fn published() -> Job {
+    fn published() -> CutterComparison {
         job((10.0, 2.0), 10.0, 0.01, (5000.0, 6.0, 40.0))
     }
 
@@ -275,9 +278,14 @@ mod tests {
     }
 
     #[test]
-    fn a_floor_has_no_critical_form_factor_in_the_analytic_model() {
-        let answer = critical_form_factor(&published(), Area::from_mm2(1568.0).unwrap(), Angle::ZERO);
-        assert_eq!(answer, Err(NoAnswer::FlatFloor));
+    fn a_floor_has_the_critical_form_factor_of_the_bound() {
+        let size = Area::from_mm2(1568.0).unwrap();
+        let [on_floor, nearly] =
+            [0.0, 0.3].map(|slope| critical_form_factor(&published(), size, Angle::from_degrees(slope).unwrap()).unwrap());
+        assert_eq!(on_floor, nearly);
+        // A ball of 3.5 m takes longer strides than a torus of 10 mm on its floor, 16.7 against 6.4 mm: it wins on every slope.
+        let huge = job((10.0, 2.0), 7000.0, 0.01, (5000.0, 6.0, 40.0));
+        assert_eq!(critical_slope(&huge, rectangle(4.0, 10_000.0)).unwrap(), CriticalSlope::BallEndAlways);
     }
 
     #[test]
@@ -299,14 +307,14 @@ mod tests {
         assert!(matches!(critical_slope(&jerky, rectangle(2.0, 1568.0)).unwrap(), CriticalSlope::At(_)));
     }
 
-    fn jobs() -> impl Strategy<Value = Job> {
+    fn jobs() -> impl Strategy<Value = CutterComparison> {
         let machine = prop::sample::select(vec!["hobby_router", "vmc", "five_axis_vmc", "five_axis_gantry", "high_speed_mould"]);
         let ratio = 0.05..0.95_f64;
         (2.0..30.0_f64, ratio, 0.7..1.4_f64, 0.001..0.05_f64, machine).prop_map(|(diameter, ratio, ball, scallop, machine)| {
             let limits = Preset::named(machine).unwrap().limits;
             let toroidal = Cutter::toroidal(mm(diameter), mm(ratio * diameter / 2.0)).unwrap();
             let scallop = mm(scallop.min(ratio * diameter / 4.0));
-            Job::new(toroidal, Cutter::ball_end(mm(diameter * ball)), scallop, limits, Model::Analytic).unwrap()
+            CutterComparison::new(toroidal, Cutter::ball_end(mm(diameter * ball)), scallop, limits, Model::Analytic).unwrap()
         })
     }
 
@@ -371,7 +379,7 @@ mod tests {
         ) {
             // The paper states these laws for its machine and cutters. 1000 mm^2 with mu = 8 has passes of 11 mm; at
             // double the feed rate, the closed form needs 21 mm. So both solutions are tested.
-            let of = |job: &Job, mu, chi| degrees(critical_slope(job, rectangle(mu, chi)).unwrap());
+            let of = |job: &CutterComparison, mu, chi| degrees(critical_slope(job, rectangle(mu, chi)).unwrap());
             let here = of(&published(), mu, chi);
             prop_assert!(of(&published(), mu * factor, chi) < here);
             prop_assert!(of(&published(), mu, chi * factor) > here);
@@ -382,7 +390,9 @@ mod tests {
         fn the_critical_form_factor_falls_with_the_slope(job in jobs(), chi in 1e2..1e6_f64, slope in 0.1..80.0_f64, more in 0.1..10.0_f64) {
             let at = |slope| critical_form_factor(&job, Area::from_mm2(chi).unwrap(), Angle::from_degrees(slope).unwrap()).unwrap();
             let (gentle, steep) = (at(slope), at(slope + more));
-            if gentle == CriticalFormFactor::BallEndAlways {
+            let step_over = |slope| job.toroidal_step_over(Angle::from_degrees(slope).unwrap()).unwrap();
+            // Nearly level slopes have the floor's step-over, and with it one form factor.
+            if gentle == CriticalFormFactor::BallEndAlways || step_over(slope) == step_over(slope + more) {
                 prop_assert_eq!(steep, gentle);
             } else {
                 prop_assert!(steep.form_factor() < gentle.form_factor());

@@ -108,6 +108,12 @@ impl Zigzag {
             time: Time::computed(passes * time.seconds()),
         }
     }
+
+    /// The same passes in `factor` times the time.
+    #[must_use]
+    pub fn slowed(self, factor: f64) -> Self {
+        Self { time: Time::computed(factor * self.time.seconds()), ..self }
+    }
 }
 
 #[cfg(test)]

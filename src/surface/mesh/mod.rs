@@ -1,9 +1,9 @@
 //! Triangle meshes of surfaces: building, visibility from above, connected pieces, selection and curvature.
 
 mod builder;
-mod curvature;
 #[cfg(test)]
 mod curvature_tests;
+mod facet_curvature;
 mod fans;
 mod finish_facet;
 mod flat_regions;
@@ -23,7 +23,7 @@ mod visibility;
 mod weld;
 
 pub use builder::{MeshBuilder, MeshSize};
-pub use curvature::CREASE_ANGLE_DEG;
+pub use facet_curvature::CREASE_ANGLE_DEG;
 pub use finish_facet::FinishFacet;
 pub use pieces::{Closure, Pieces};
 use selection::FileOrder;

@@ -2,7 +2,7 @@
 //! allocation.
 
 use super::LARGEST_COORDINATE;
-use super::fault::{FaultKind, Flaw, quoted};
+use super::fault::{FileFaultKind, Flaw, quoted};
 
 /// The number at the start of `text` and its length in bytes, or `None` if no number starts. `mark` is the decimal
 /// mark, point or comma.
@@ -98,7 +98,7 @@ pub(super) fn bounded(value: f64, token: &[u8]) -> Result<f64, Flaw> {
 /// The flaw of a number that cannot be a coordinate.
 #[cold]
 pub(super) fn unbounded(found: &str) -> Flaw {
-    Flaw::new(FaultKind::OutOfRange, format!("a finite coordinate of at most {LARGEST_COORDINATE:e} in magnitude"), found.to_owned())
+    Flaw::new(FileFaultKind::OutOfRange, format!("a finite coordinate of at most {LARGEST_COORDINATE:e} in magnitude"), found.to_owned())
 }
 
 /// The coordinates of a file whose words are separated by blanks, so that a comma in a number can only be a decimal
@@ -154,7 +154,7 @@ fn no_coordinate(word: &[u8], expected: &'static str) -> Flaw {
     if names_no_finite_number(word) {
         unbounded(&quoted(word))
     } else if has_decimal_comma {
-        Flaw::new(FaultKind::Malformed, "a number with a decimal point", format!("{}, with a decimal comma", quoted(word)))
+        Flaw::new(FileFaultKind::Malformed, "a number with a decimal point", format!("{}, with a decimal comma", quoted(word)))
     } else {
         Flaw::malformed(expected, word)
     }

@@ -6,7 +6,7 @@ use super::FarOutside;
 /// every other axis.
 const FAR: f64 = 10.0;
 
-/// The same for values that programs write for missing measurements.
+/// The factor beyond which a value that programs write for missing measurements is far outside.
 const FAR_IF_USUAL: f64 = 3.0;
 
 /// Values that programs write for missing measurements, besides those beyond the largest coordinate, which are refused.
@@ -14,7 +14,7 @@ const USUAL: [f64; 8] = [-9999.0, -99999.0, -999.0, -32768.0, -32767.0, 9999.0, 
 
 /// The smallest and the largest coordinates along each axis.
 #[derive(Debug, Default)]
-pub(super) struct Extremes {
+pub(super) struct CoordinateRange {
     /// For each axis, the smallest and the largest value. The largest is stored with the opposite sign.
     ends: [[Option<End>; 2]; 3],
     points: u64,
@@ -29,7 +29,7 @@ struct End {
     next: f64,
 }
 
-impl Extremes {
+impl CoordinateRange {
     /// Adds the point of a line.
     #[inline]
     pub(super) fn add(&mut self, point: [f64; 3], line: u64) {
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     fn found(heights: &[f64]) -> Option<(u64, f64, u64)> {
-        let mut extremes = Extremes::default();
+        let mut extremes = CoordinateRange::default();
         for (index, z) in heights.iter().enumerate() {
             let at = u32::try_from(index).unwrap();
             extremes.add([f64::from(at % 4), f64::from(at / 4), *z], u64::from(at) + 1);

@@ -1,7 +1,7 @@
 //! Vertices and faces of an indexed mesh, for the readers of OBJ and PLY.
 
 use super::Sink;
-use super::fault::{FaultKind, Flaw};
+use super::fault::{FileFaultKind, Flaw};
 use super::polygon::{Cut, Polygon};
 use super::vertices::Vertices;
 
@@ -65,7 +65,7 @@ impl Faces {
         let corners = self.face.corners().len();
         if corners < 3 {
             let found = ["none", "one", "two"][corners];
-            return Err(Flaw::new(FaultKind::Malformed, "a face with three corners at least", found));
+            return Err(Flaw::new(FileFaultKind::Malformed, "a face with three corners at least", found));
         }
         let cut = self.face.cut(|corners| sink.facet(corners))?;
         self.facets += (corners - 2) as u64;
@@ -77,5 +77,5 @@ impl Faces {
 
 #[cold]
 pub(super) fn too_many_vertices(limit: usize) -> Flaw {
-    Flaw::new(FaultKind::TooLarge, format!("at most {limit} vertices"), "more")
+    Flaw::new(FileFaultKind::TooLarge, format!("at most {limit} vertices"), "more")
 }

@@ -33,7 +33,7 @@ impl fmt::Display for FileLocation {
 
 /// The kinds of faults of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FaultKind {
+pub enum FileFaultKind {
     /// The file has a format or encoding that is not read. The fault names it if it is known.
     UnknownFormat,
     /// A violation of the format.
@@ -54,15 +54,15 @@ pub enum FaultKind {
 
 /// The reason why a file was refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fault {
+pub struct FileFault {
     location: FileLocation,
     flaw: Flaw,
 }
 
-impl Fault {
+impl FileFault {
     /// The kind of the fault.
     #[must_use]
-    pub fn kind(&self) -> FaultKind {
+    pub fn kind(&self) -> FileFaultKind {
         self.flaw.kind
     }
 
@@ -85,19 +85,19 @@ impl Fault {
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for FileFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: expected {}, found {}", self.location, self.flaw.expected, self.flaw.found)
     }
 }
 
-impl std::error::Error for Fault {}
+impl std::error::Error for FileFault {}
 
 /// The reason why a file could not be read.
 #[derive(Debug)]
 pub enum ReadError {
     /// The file has a fault.
-    Fault(Fault),
+    Fault(FileFault),
     /// The source of the file failed: it was cut off, or nobody waits for the surface any longer.
     Source(io::Error),
 }
@@ -113,8 +113,8 @@ impl fmt::Display for ReadError {
 
 impl std::error::Error for ReadError {}
 
-impl From<Fault> for ReadError {
-    fn from(fault: Fault) -> Self {
+impl From<FileFault> for ReadError {
+    fn from(fault: FileFault) -> Self {
         Self::Fault(fault)
     }
 }
@@ -128,43 +128,43 @@ impl From<io::Error> for ReadError {
 /// A fault without its location, which the caller adds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Flaw {
-    kind: FaultKind,
+    kind: FileFaultKind,
     expected: Cow<'static, str>,
     found: Cow<'static, str>,
 }
 
 impl Flaw {
     #[cold]
-    pub(super) fn new(kind: FaultKind, expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {
+    pub(super) fn new(kind: FileFaultKind, expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {
         Self { kind, expected: expected.into(), found: found.into() }
     }
 
-    pub(super) fn kind(&self) -> FaultKind {
+    pub(super) fn kind(&self) -> FileFaultKind {
         self.kind
     }
 
     /// A violation of the format's grammar, with a quotation of the text found.
     #[cold]
     pub(super) fn malformed(expected: impl Into<Cow<'static, str>>, found: &[u8]) -> Self {
-        Self::new(FaultKind::Malformed, expected, quoted(found))
+        Self::new(FileFaultKind::Malformed, expected, quoted(found))
     }
 
     #[cold]
-    pub(super) fn at_line(self, number: u64) -> Fault {
-        Fault { location: FileLocation::Line(number), flaw: self }
+    pub(super) fn at_line(self, number: u64) -> FileFault {
+        FileFault { location: FileLocation::Line(number), flaw: self }
     }
 
     /// The fault of a file in an archive; its path is cut to 200 characters, with control characters escaped.
     #[cold]
-    pub(super) fn in_entry(self, path: &str, byte: u64) -> Fault {
+    pub(super) fn in_entry(self, path: &str, byte: u64) -> FileFault {
         let path: String =
             path.chars().take(200).flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect();
-        Fault { location: FileLocation::Entry { path: path.into(), byte }, flaw: self }
+        FileFault { location: FileLocation::Entry { path: path.into(), byte }, flaw: self }
     }
 
     #[cold]
-    pub(super) fn at_byte(self, offset: u64) -> Fault {
-        Fault { location: FileLocation::Byte(offset), flaw: self }
+    pub(super) fn at_byte(self, offset: u64) -> FileFault {
+        FileFault { location: FileLocation::Byte(offset), flaw: self }
     }
 }
 

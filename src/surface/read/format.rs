@@ -1,6 +1,6 @@
 //! Detection of a file's format, by its content first, then by its media type and name.
 
-use super::fault::{Fault, FaultKind, Flaw};
+use super::fault::{FileFault, FileFaultKind, Flaw};
 use super::known::{KNOWN_AT_START, by_statement};
 use super::words::{Words, is_word, line_end, starts_number, statements};
 use std::fmt;
@@ -100,7 +100,7 @@ fn by_name(name: &str) -> Option<NamedFormat> {
 
 /// The reader of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Family {
+pub(super) enum FormatFamily {
     Text,
     Pcd,
     StlAscii,
@@ -113,22 +113,22 @@ pub(super) enum Family {
 /// The result of detection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Detected {
-    pub(super) format: Family,
+    pub(super) format: FormatFamily,
     /// The length of a byte-order mark, which is not part of the text.
     pub(super) mark: usize,
 }
 
 /// Detects the format of a file that begins with `head`, which is its first [`HEAD`] bytes or the whole file. A file
 /// with `is_decoded` was converted to UTF-8 and is text.
-pub(super) fn detect(head: &[u8], hint: FormatHint, is_decoded: bool) -> Result<Detected, Fault> {
+pub(super) fn detect(head: &[u8], hint: FormatHint, is_decoded: bool) -> Result<Detected, FileFault> {
     if head.is_empty() {
-        return Err(Flaw::new(FaultKind::Empty, "a surface", "an empty file").at_byte(0));
+        return Err(Flaw::new(FileFaultKind::Empty, "a surface", "an empty file").at_byte(0));
     }
     if let Some((_, name)) = KNOWN_AT_START.iter().find(|(magic, _)| head.starts_with(magic)) {
         return Err(unknown(*name).at_byte(0));
     }
     if crate::archive::Archive::is_archive(head) {
-        return Ok(Detected { format: Family::ThreeMf, mark: 0 });
+        return Ok(Detected { format: FormatFamily::ThreeMf, mark: 0 });
     }
     if is_utf_16(head) {
         return Err(unknown("UTF-16 text without a byte-order mark; save it as UTF-8").at_byte(0));
@@ -140,8 +140,8 @@ pub(super) fn detect(head: &[u8], hint: FormatHint, is_decoded: bool) -> Result<
     }
     if let Some(at) = control_byte(text) {
         return match hint.0 {
-            Some(NamedFormat::Stl) if !is_decoded => Ok(Detected { format: Family::StlBinary, mark: 0 }),
-            _ if !is_decoded && is_binary_stl(head) => Ok(Detected { format: Family::StlBinary, mark: 0 }),
+            Some(NamedFormat::Stl) if !is_decoded => Ok(Detected { format: FormatFamily::StlBinary, mark: 0 }),
+            _ if !is_decoded && is_binary_stl(head) => Ok(Detected { format: FormatFamily::StlBinary, mark: 0 }),
             None => Err(unknown("a binary file of no known format").at_byte((mark + at) as u64)),
             Some(_) => {
                 Err(unknown(format!("a file with the control byte {:#04x}, which is not text", text[at])).at_byte((mark + at) as u64))
@@ -155,7 +155,7 @@ pub(super) fn detect(head: &[u8], hint: FormatHint, is_decoded: bool) -> Result<
 }
 
 fn unknown(found: impl Into<std::borrow::Cow<'static, str>>) -> Flaw {
-    Flaw::new(FaultKind::UnknownFormat, EXPECTED, found)
+    Flaw::new(FileFaultKind::UnknownFormat, EXPECTED, found)
 }
 
 /// Whether a file without a byte-order mark is text in UTF-16: text in the Latin alphabet then has a null byte in every
@@ -186,22 +186,22 @@ fn is_binary_stl(head: &[u8]) -> bool {
 }
 
 /// PLY, PCD, and STL that begins as its specification requires.
-fn by_magic(text: &[u8]) -> Option<Family> {
+fn by_magic(text: &[u8]) -> Option<FormatFamily> {
     if text.starts_with(b"ply") && text.get(3).is_some_and(u8::is_ascii_whitespace) {
-        return Some(Family::Ply);
+        return Some(FormatFamily::Ply);
     }
     let mut statements = statements(text);
     let first = statements.next()?;
     if first.starts_with(b"# .PCD") || is_word(first, b"VERSION") {
-        return Some(Family::Pcd);
+        return Some(FormatFamily::Pcd);
     }
     if !is_word(first, b"solid") {
-        return is_word(first, b"facet").then_some(Family::StlAscii);
+        return is_word(first, b"facet").then_some(FormatFamily::StlAscii);
     }
     // A binary STL's header may begin with `solid` too; then neither text nor a facet follows.
     match statements.next() {
-        Some(second) if is_word(second, b"facet") || is_word(second, b"endsolid") => Some(Family::StlAscii),
-        _ if control_byte(text).is_none() => Some(Family::StlAscii),
+        Some(second) if is_word(second, b"facet") || is_word(second, b"endsolid") => Some(FormatFamily::StlAscii),
+        _ if control_byte(text).is_none() => Some(FormatFamily::StlAscii),
         _ => None,
     }
 }
@@ -221,19 +221,19 @@ fn control_byte(text: &[u8]) -> Option<usize> {
 }
 
 /// The format of a text without a magic word.
-fn by_first_statement(text: &[u8], hint: FormatHint) -> Family {
+fn by_first_statement(text: &[u8], hint: FormatHint) -> FormatFamily {
     let first = statements(text).find(|line| !line.starts_with(b"#") && !line.starts_with(b"//"));
     if first.is_some_and(is_obj) {
-        return Family::Obj;
+        return FormatFamily::Obj;
     }
     if first.is_some_and(|line| starts_number(line) || line[0] == b'"') {
-        return Family::Text;
+        return FormatFamily::Text;
     }
     match hint.0 {
-        None | Some(NamedFormat::Text | NamedFormat::ThreeMf) => Family::Text,
-        Some(NamedFormat::Stl) => Family::StlAscii,
-        Some(NamedFormat::Obj) => Family::Obj,
-        Some(NamedFormat::Ply) => Family::Ply,
+        None | Some(NamedFormat::Text | NamedFormat::ThreeMf) => FormatFamily::Text,
+        Some(NamedFormat::Stl) => FormatFamily::StlAscii,
+        Some(NamedFormat::Obj) => FormatFamily::Obj,
+        Some(NamedFormat::Ply) => FormatFamily::Ply,
     }
 }
 
@@ -253,7 +253,7 @@ fn is_obj(line: &[u8]) -> bool {
 mod tests {
     use super::*;
 
-    fn family(head: &[u8], name: &str) -> Family {
+    fn family(head: &[u8], name: &str) -> FormatFamily {
         detect(head, FormatHint::new(None, Some(name)), false).unwrap().format
     }
 
@@ -267,28 +267,28 @@ mod tests {
 
     #[test]
     fn content_takes_precedence_over_the_name() {
-        assert_eq!(family(b"1;2;3\n", "part.stl"), Family::Text);
-        assert_eq!(family(b"\xef\xbb\xbf-1 2 3\n", "part.obj"), Family::Text);
-        assert_eq!(family(b"# a comment\n\nv 1 2 3\n", "points.csv"), Family::Obj);
-        assert_eq!(family(b"ply\r\nformat", "points.txt"), Family::Ply);
-        assert_eq!(family(b"\n  SOLID part\n facet", "points.txt"), Family::StlAscii);
-        assert_eq!(family(&binary_stl(b"made somewhere"), "part"), Family::StlBinary);
+        assert_eq!(family(b"1;2;3\n", "part.stl"), FormatFamily::Text);
+        assert_eq!(family(b"\xef\xbb\xbf-1 2 3\n", "part.obj"), FormatFamily::Text);
+        assert_eq!(family(b"# a comment\n\nv 1 2 3\n", "points.csv"), FormatFamily::Obj);
+        assert_eq!(family(b"ply\r\nformat", "points.txt"), FormatFamily::Ply);
+        assert_eq!(family(b"\n  SOLID part\n facet", "points.txt"), FormatFamily::StlAscii);
+        assert_eq!(family(&binary_stl(b"made somewhere"), "part"), FormatFamily::StlBinary);
     }
 
     #[test]
     fn a_binary_stl_may_begin_with_solid() {
-        assert_eq!(family(&binary_stl(b"solid part"), "part.stl"), Family::StlBinary);
-        assert_eq!(family(&binary_stl(b"solid part\nof ours"), ""), Family::StlBinary);
-        assert_eq!(family(b"solid \x01part\r\n\r\nFACET normal", ""), Family::StlAscii);
-        assert_eq!(family(b"solid", ""), Family::StlAscii);
+        assert_eq!(family(&binary_stl(b"solid part"), "part.stl"), FormatFamily::StlBinary);
+        assert_eq!(family(&binary_stl(b"solid part\nof ours"), ""), FormatFamily::StlBinary);
+        assert_eq!(family(b"solid \x01part\r\n\r\nFACET normal", ""), FormatFamily::StlAscii);
+        assert_eq!(family(b"solid", ""), FormatFamily::StlAscii);
     }
 
     #[test]
     fn the_name_decides_if_the_content_is_ambiguous() {
-        assert_eq!(family(b"hello\n", "part.STL"), Family::StlAscii);
-        assert_eq!(family(b"# nothing\n", "part.obj"), Family::Obj);
-        assert_eq!(family(b"hello\n", "part.ply"), Family::Ply);
-        assert_eq!(family(b"X Y Z\n", "part"), Family::Text);
+        assert_eq!(family(b"hello\n", "part.STL"), FormatFamily::StlAscii);
+        assert_eq!(family(b"# nothing\n", "part.obj"), FormatFamily::Obj);
+        assert_eq!(family(b"hello\n", "part.ply"), FormatFamily::Ply);
+        assert_eq!(family(b"X Y Z\n", "part"), FormatFamily::Text);
     }
 
     #[test]
@@ -303,17 +303,17 @@ mod tests {
     fn a_binary_file_is_an_stl_by_its_length_or_its_numbers() {
         let noise: Vec<u8> = (0..2000_u32).map(|index| (index.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
         assert!(detect(&noise, FormatHint::default(), false).is_err());
-        assert_eq!(family(&noise, "a.stl"), Family::StlBinary);
-        assert_eq!(family(&[binary_stl(b"longer"), b"and more".to_vec()].concat(), "a"), Family::StlBinary);
+        assert_eq!(family(&noise, "a.stl"), FormatFamily::StlBinary);
+        assert_eq!(family(&[binary_stl(b"longer"), b"and more".to_vec()].concat(), "a"), FormatFamily::StlBinary);
         for name in ["part.stl.txt", "part.obj", "part.csv", "part.3mf", "part.ply", "part.bin", "part"] {
-            assert_eq!(family(&binary_stl(b"Exported from somewhere"), name), Family::StlBinary, "{name}");
+            assert_eq!(family(&binary_stl(b"Exported from somewhere"), name), FormatFamily::StlBinary, "{name}");
         }
     }
 
     #[test]
     fn columns_named_like_obj_statements_are_columns() {
-        assert_eq!(family(b"v x y z\n1 2 3 4\n", ""), Family::Text);
-        assert_eq!(family(b"s,x,y,z\n", ""), Family::Text);
+        assert_eq!(family(b"v x y z\n1 2 3 4\n", ""), FormatFamily::Text);
+        assert_eq!(family(b"s,x,y,z\n", ""), FormatFamily::Text);
     }
 
     #[test]
@@ -347,13 +347,13 @@ mod tests {
             (b"<head><title>Sign in</title></head>", "HTML page"),
         ] {
             let fault = detect(head, FormatHint::default(), false).unwrap_err();
-            assert_eq!(fault.kind(), FaultKind::UnknownFormat);
+            assert_eq!(fault.kind(), FileFaultKind::UnknownFormat);
             assert!(fault.found().contains(word), "{fault}");
         }
         let fault = detect(b"1,2,3\n1,\x002,3\n", FormatHint::new(None, Some("a.csv")), false).unwrap_err();
         let sentence =
             "byte 8: expected points in text, PCD, STL, OBJ, PLY or 3MF, found a file with the control byte 0x00, which is not text";
         assert_eq!(fault.to_string(), sentence);
-        assert_eq!(detect(b"", FormatHint::default(), false).unwrap_err().kind(), FaultKind::Empty);
+        assert_eq!(detect(b"", FormatHint::default(), false).unwrap_err().kind(), FileFaultKind::Empty);
     }
 }

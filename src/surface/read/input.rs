@@ -1,6 +1,6 @@
 //! The input of a reader: the file's next bytes or next line, with the count of both for the places of faults.
 
-use super::fault::{FaultKind, Flaw, ReadError};
+use super::fault::{FileFaultKind, Flaw, ReadError};
 use super::words::{is_blank, line_end, trimmed_start};
 use std::io::{self, Read};
 use std::ops::Range;
@@ -234,7 +234,7 @@ impl Read for Input<'_> {
 
 #[cold]
 pub(super) fn too_long() -> Flaw {
-    Flaw::new(FaultKind::TooLarge, format!("at most {LONGEST_LINE} bytes in a line"), "a longer one")
+    Flaw::new(FileFaultKind::TooLarge, format!("at most {LONGEST_LINE} bytes in a line"), "a longer one")
 }
 
 #[cfg(test)]

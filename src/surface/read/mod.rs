@@ -5,8 +5,8 @@
 //! vertices by number, the vertices are stored. For 3MF, whose directory is at its end, the compressed file and its
 //! meshes are stored. Memory grows with the data that arrive, not with the counts that a file states.
 //!
-//! A file that cannot be read, or is ambiguous, is refused with a [`Fault`] that names the line or byte. Data that the
-//! reader leaves out are counted in the [`Summary`]. Coordinates are passed on in the file's unit, which is in the
+//! A file that cannot be read, or is ambiguous, is refused with a [`FileFault`] that names the line or byte. Data that the
+//! reader leaves out are counted in the [`ReadSummary`]. Coordinates are passed on in the file's unit, which is in the
 //! summary if the file states it. A reader ends early only with an error of its source: a source that is no longer
 //! needed returns one.
 
@@ -30,12 +30,12 @@ mod utf_16;
 mod vertices;
 mod words;
 
-pub use fault::{Fault, FaultKind, FileLocation, ReadError};
+pub use fault::{FileFault, FileFaultKind, FileLocation, ReadError};
 pub use format::{Format, FormatHint};
 pub use three_mf::DEFAULT_ARCHIVE_LIMIT;
 
 use super::{LARGEST_COORDINATE, Sink, Unit};
-use format::{Family, HEAD};
+use format::{FormatFamily, HEAD};
 use input::Input;
 use std::io::Read;
 use utf_16::Utf16;
@@ -46,7 +46,7 @@ pub const DEFAULT_VERTEX_LIMIT: usize = 20_000_000;
 
 /// The result of reading a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Summary {
+pub struct ReadSummary {
     /// The format, detected by the content.
     pub format: Format,
     /// Points passed to the sink.
@@ -119,7 +119,7 @@ impl Reader {
         Self { hint, vertex_limit, package_vertex_limit, archive_limit: DEFAULT_ARCHIVE_LIMIT }
     }
 
-    /// The same reader with a limit of `bytes` compressed bytes for a 3MF file.
+    /// This reader with a limit of `bytes` compressed bytes for a 3MF file.
     #[must_use]
     pub fn with_archive_limit(self, bytes: usize) -> Self {
         Self { archive_limit: bytes, ..self }
@@ -142,8 +142,8 @@ impl Reader {
     /// Reads the file that `source` delivers, and passes its points or facets to `sink`.
     ///
     /// # Errors
-    /// [`ReadError`] with the first [`Fault`] of the file, or with an error of the source.
-    pub fn read(self, mut source: impl Read, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+    /// [`ReadError`] with the first [`FileFault`] of the file, or with an error of the source.
+    pub fn read(self, mut source: impl Read, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
         let mut input = Input::new(&mut source);
         match Utf16::by_mark(input.peek(2)?) {
             Some(decoder) => self.read_input(&mut Input::new(&mut decoder.of(&mut input)), true, sink),
@@ -151,18 +151,18 @@ impl Reader {
         }
     }
 
-    fn read_input(self, input: &mut Input, is_decoded: bool, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+    fn read_input(self, input: &mut Input, is_decoded: bool, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
         let head = input.peek(HEAD)?;
         let detected = format::detect(&head[..head.len().min(HEAD)], self.hint, is_decoded)?;
         input.consume(detected.mark);
         match detected.format {
-            Family::Text => text::read(input, sink),
-            Family::Pcd => pcd::read(input, sink),
-            Family::StlAscii => stl::read_text(input, sink),
-            Family::StlBinary => stl::read_binary(input, sink),
-            Family::Obj => obj::read(input, self.vertex_limit, sink),
-            Family::Ply => ply::read(input, self.vertex_limit, sink),
-            Family::ThreeMf => three_mf::read(input, self, sink),
+            FormatFamily::Text => text::read(input, sink),
+            FormatFamily::Pcd => pcd::read(input, sink),
+            FormatFamily::StlAscii => stl::read_text(input, sink),
+            FormatFamily::StlBinary => stl::read_binary(input, sink),
+            FormatFamily::Obj => obj::read(input, self.vertex_limit, sink),
+            FormatFamily::Ply => ply::read(input, self.vertex_limit, sink),
+            FormatFamily::ThreeMf => three_mf::read(input, self, sink),
         }
     }
 }

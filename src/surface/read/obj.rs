@@ -9,14 +9,14 @@
 
 use super::decimal::Decimals;
 use super::faces::Faces;
-use super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::input::{Input, LONGEST_LINE, too_long};
 use super::unit_name::CommentedUnit;
 use super::words::{Words, trimmed};
-use super::{Format, Notes, Sink, Summary};
+use super::{Format, Notes, ReadSummary, Sink};
 
 /// Reads an OBJ file of at most `vertex_limit` vertices.
-pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
     let mut content =
         Content { faces: Faces::new(vertex_limit), decimals: Decimals::default(), unit: CommentedUnit::default(), other_elements: 0 };
     // The part of a statement that a backslash continues on the next line.
@@ -44,9 +44,9 @@ pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) 
     content.statement(&begun, sink).map_err(|flaw| flaw.at_line(end))?;
     let Content { faces, unit, other_elements, .. } = content;
     let notes = Notes { other_elements, crossed_polygons: faces.crossed(), ..Notes::default() };
-    let mut summary = Summary { format: Format::Obj, points: 0, facets: faces.facets(), unit: unit.unit(), notes };
+    let mut summary = ReadSummary { format: Format::Obj, points: 0, facets: faces.facets(), unit: unit.unit(), notes };
     if faces.vertices().is_empty() && summary.facets == 0 {
-        return Err(Flaw::new(FaultKind::Empty, "a vertex", "the end of the file").at_line(end).into());
+        return Err(Flaw::new(FileFaultKind::Empty, "a vertex", "the end of the file").at_line(end).into());
     }
     if summary.facets == 0 {
         summary.points = faces.vertices().len() as u64;
@@ -82,7 +82,7 @@ impl Content {
     fn vertex(&mut self, mut words: Words) -> Result<(), Flaw> {
         let mut vertex = [0.0; 3];
         for (value, before) in vertex.iter_mut().zip(["none", "one", "two"]) {
-            let word = words.next().ok_or_else(|| Flaw::new(FaultKind::Malformed, "three numbers after \"v\"", before))?;
+            let word = words.next().ok_or_else(|| Flaw::new(FileFaultKind::Malformed, "three numbers after \"v\"", before))?;
             *value = self.decimals.coordinate(word, "a number")?;
         }
         self.faces.add_vertex(vertex)
@@ -93,7 +93,7 @@ impl Content {
             let before = self.faces.vertices().len();
             let missing = || {
                 let expected = format!("the number of one of the {before} vertices before this line");
-                Flaw::new(FaultKind::OutOfRange, expected, quoted(word))
+                Flaw::new(FileFaultKind::OutOfRange, expected, quoted(word))
             };
             let vertex = vertex_index(word, before)?.ok_or_else(missing)?;
             self.faces.add_corner(vertex).ok_or_else(missing)??;
@@ -160,7 +160,7 @@ fn ignored(keyword: &[u8]) -> Result<(), Flaw> {
     }
     if FREE_FORM.contains(&keyword) {
         let found = format!("the free-form statement {}; export the surface as a mesh", quoted(keyword));
-        return Err(Flaw::new(FaultKind::Malformed, "vertices and polygons", found));
+        return Err(Flaw::new(FileFaultKind::Malformed, "vertices and polygons", found));
     }
     Err(Flaw::malformed("a statement of OBJ", keyword))
 }

@@ -5,34 +5,34 @@
 //! a measurement; they are counted and left out. Binary data are refused.
 
 use super::decimal::{Decimals, names_no_finite_number};
-use super::extremes::Extremes;
-use super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::extremes::CoordinateRange;
+use super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::input::Input;
 use super::words::{Words, trimmed};
-use super::{Format, Notes, Sink, Summary};
+use super::{Format, Notes, ReadSummary, Sink};
 
 /// The largest number of fields of a point.
 const MOST_FIELDS: usize = 1000;
 
 /// Reads a PCD file.
-pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
     let mut content = Content::default();
     input.each_line(|line, number| content.line(line, number, sink))?;
     let number = input.number_at_end();
     let Content { data, stated, extremes, points, missing, trailing_bytes, .. } = content;
     let end = "the end of the file";
     let flaw = match data {
-        None => Flaw::new(FaultKind::Truncated, "a header that ends with DATA", end),
+        None => Flaw::new(FileFaultKind::Truncated, "a header that ends with DATA", end),
         Some(_) if stated.is_some_and(|stated| stated != points + missing) => {
             let expected = format!("{} points, as the header states", stated.unwrap_or(0));
-            Flaw::new(FaultKind::Truncated, expected, format!("{end} after {}", points + missing))
+            Flaw::new(FileFaultKind::Truncated, expected, format!("{end} after {}", points + missing))
         }
-        Some(_) if points == 0 => Flaw::new(FaultKind::Empty, "a point", end),
+        Some(_) if points == 0 => Flaw::new(FileFaultKind::Empty, "a point", end),
         Some(Data { width, .. }) => {
             let far_outside = extremes.far_outside();
             let notes =
                 Notes { further_columns: (width - 3) as u64, missing_points: missing, trailing_bytes, far_outside, ..Notes::default() };
-            return Ok(Summary { format: Format::Pcd, points, facets: 0, unit: None, notes });
+            return Ok(ReadSummary { format: Format::Pcd, points, facets: 0, unit: None, notes });
         }
     };
     Err(flaw.at_line(number).into())
@@ -48,7 +48,7 @@ struct Content {
     stated: Option<u64>,
     data: Option<Data>,
     decimals: Decimals,
-    extremes: Extremes,
+    extremes: CoordinateRange,
     points: u64,
     missing: u64,
     trailing_bytes: u64,
@@ -82,7 +82,7 @@ impl Content {
             count += 1;
         }
         let (Some(x), Some(y), Some(z), true) = (point[0], point[1], point[2], count == data.width) else {
-            return Err(Flaw::new(FaultKind::Malformed, format!("{} numbers, as the header states", data.width), count.to_string()));
+            return Err(Flaw::new(FileFaultKind::Malformed, format!("{} numbers, as the header states", data.width), count.to_string()));
         };
         if [x, y, z].into_iter().any(names_no_finite_number) {
             self.missing += 1;
@@ -129,7 +129,7 @@ impl Content {
     fn begin(&mut self, encoding: &[u8]) -> Result<(), Flaw> {
         if encoding != b"ascii" {
             let found = format!("PCD with the data {}; save it with the data ascii", quoted(encoding));
-            return Err(Flaw::new(FaultKind::UnknownFormat, "PCD with the data ascii", found));
+            return Err(Flaw::new(FileFaultKind::UnknownFormat, "PCD with the data ascii", found));
         }
         let mut columns = [None; 3];
         let mut width = 0;
@@ -138,12 +138,12 @@ impl Content {
             if let Some(axis) = axis
                 && columns[axis].replace(width).is_some()
             {
-                return Err(Flaw::new(FaultKind::Ambiguous, "one field of each name", format!("a second field {}", quoted(name))));
+                return Err(Flaw::new(FileFaultKind::Ambiguous, "one field of each name", format!("a second field {}", quoted(name))));
             }
             width += self.counts.get(index).copied().unwrap_or(1);
         }
         let [Some(x), Some(y), Some(z)] = columns else {
-            return Err(Flaw::new(FaultKind::Malformed, "the fields x, y and z", "a header without one of them"));
+            return Err(Flaw::new(FileFaultKind::Malformed, "the fields x, y and z", "a header without one of them"));
         };
         self.data = Some(Data { columns: [x, y, z], width });
         Ok(())

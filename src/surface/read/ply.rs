@@ -9,20 +9,20 @@
 
 use super::decimal::{Decimals, unbounded};
 use super::faces::{Faces, too_many_vertices};
-use super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::input::Input;
-use super::ply_header::{self, Element, Kind, Property, Type, integer};
+use super::ply_header::{self, Element, PlyKind, Property, Type, integer};
 use super::words::Words;
-use super::{Format, LARGEST_COORDINATE, Notes, Sink, Summary};
+use super::{Format, LARGEST_COORDINATE, Notes, ReadSummary, Sink};
 
 /// Reads a PLY file of at most `vertex_limit` vertices.
-pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
     let header = ply_header::read(input)?;
     let count = |kind| header.elements.iter().filter(|element| element.kind == kind).map(|element| element.count).sum::<u64>();
-    let vertices = count(Kind::Vertex);
-    let stores = count(Kind::Face) > 0 || count(Kind::TriStrips) > 0;
+    let vertices = count(PlyKind::Vertex);
+    let stores = count(PlyKind::Face) > 0 || count(PlyKind::TriStrips) > 0;
     if vertices == 0 {
-        return Err(Flaw::new(FaultKind::Empty, "a vertex", "0 vertices in the header").at_line(input.number()).into());
+        return Err(Flaw::new(FileFaultKind::Empty, "a vertex", "0 vertices in the header").at_line(input.number()).into());
     }
     if stores && vertices > vertex_limit as u64 {
         return Err(too_many_vertices(vertex_limit).at_line(input.number()).into());
@@ -30,7 +30,7 @@ pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) 
     let mut surface = Surface { faces: Faces::new(vertex_limit), strip: None, stores, points: 0, sink };
     let mut notes = Notes::default();
     for element in &header.elements {
-        if element.kind == Kind::Other {
+        if element.kind == PlyKind::Other {
             notes.other_elements = notes.other_elements.saturating_add(element.count);
         }
         // The rows of an element without properties are empty.
@@ -45,9 +45,9 @@ pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) 
     notes.crossed_polygons = surface.faces.crossed();
     let facets = surface.faces.facets();
     if stores && facets == 0 {
-        return Err(Flaw::new(FaultKind::Empty, "a triangle in the strips", "none").at_byte(0).into());
+        return Err(Flaw::new(FileFaultKind::Empty, "a triangle in the strips", "none").at_byte(0).into());
     }
-    Ok(Summary { format: header.format, points: surface.points, facets, unit: header.unit, notes })
+    Ok(ReadSummary { format: header.format, points: surface.points, facets, unit: header.unit, notes })
 }
 
 /// The bytes of the lines that are left, without the blanks before them.
@@ -63,7 +63,7 @@ fn bytes_of_lines(input: &mut Input) -> Result<u64, ReadError> {
 /// The fault of a file that ends after `read` rows of an element.
 fn cut_off(element: &Element, read: u64) -> Flaw {
     let expected = format!("{} rows of the element {}, as the header says", element.count, element.name);
-    Flaw::new(FaultKind::Truncated, expected, format!("the end of the file after {read}"))
+    Flaw::new(FileFaultKind::Truncated, expected, format!("the end of the file after {read}"))
 }
 
 /// The surface that the rows of either kind of body describe.
@@ -78,8 +78,8 @@ struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    fn begin_row(&mut self, kind: Kind) {
-        self.strip = (kind == Kind::TriStrips).then(Strip::default);
+    fn begin_row(&mut self, kind: PlyKind) {
+        self.strip = (kind == PlyKind::TriStrips).then(Strip::default);
     }
 
     /// Adds a corner to the current face or strip. `number` is `None` if it is negative; `written` returns the text of
@@ -93,20 +93,20 @@ impl Surface<'_> {
         };
         added.unwrap_or_else(|| {
             let expected = format!("the number of one of {} vertices, from 0", self.faces.vertices().len());
-            Err(Flaw::new(FaultKind::OutOfRange, expected, written()))
+            Err(Flaw::new(FileFaultKind::OutOfRange, expected, written()))
         })
     }
 
-    fn end_row(&mut self, kind: Kind, vertex: [f64; 3]) -> Result<(), Flaw> {
+    fn end_row(&mut self, kind: PlyKind, vertex: [f64; 3]) -> Result<(), Flaw> {
         match kind {
-            Kind::Vertex if self.stores => self.faces.add_vertex(vertex),
-            Kind::Vertex => {
+            PlyKind::Vertex if self.stores => self.faces.add_vertex(vertex),
+            PlyKind::Vertex => {
                 self.points += 1;
                 self.sink.point(vertex);
                 Ok(())
             }
-            Kind::Face => self.faces.close(self.sink),
-            Kind::TriStrips | Kind::Other => Ok(()),
+            PlyKind::Face => self.faces.close(self.sink),
+            PlyKind::TriStrips | PlyKind::Other => Ok(()),
         }
     }
 
@@ -131,7 +131,7 @@ impl Surface<'_> {
         self.begin_row(element.kind);
         let missing = || {
             let expected = format!("as many numbers as a row of the element {} has", element.name);
-            Flaw::new(FaultKind::Malformed, expected, "the end of the line")
+            Flaw::new(FileFaultKind::Malformed, expected, "the end of the line")
         };
         let mut vertex = [0.0; 3];
         for property in &element.properties {
@@ -187,7 +187,7 @@ impl Surface<'_> {
         let Some(bytes) = input.block(count.size())? else { return Ok(false) };
         let length = whole_number(count, is_big, bytes);
         let Ok(length) = u64::try_from(length) else {
-            return Err(Flaw::new(FaultKind::OutOfRange, "the length of a list", length.to_string()).at_byte(start).into());
+            return Err(Flaw::new(FileFaultKind::OutOfRange, "the length of a list", length.to_string()).at_byte(start).into());
         };
         if !corners {
             let bytes = length * item.size() as u64;

@@ -1,7 +1,7 @@
 //! The header of PLY: the lines from `ply` to `end_header`.
 
 use super::Format;
-use super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::input::Input;
 use super::unit_name::CommentedUnit;
 use super::words::{Words, line_end};
@@ -12,7 +12,7 @@ const LONGEST_HEADER: usize = 1 << 16;
 
 /// A complete header that describes a surface.
 #[derive(Debug)]
-pub(super) struct Header {
+pub(super) struct PlyHeader {
     pub(super) format: Format,
     pub(super) elements: Vec<Element>,
     /// The unit that a comment states.
@@ -21,7 +21,7 @@ pub(super) struct Header {
 
 #[derive(Debug)]
 pub(super) struct Element {
-    pub(super) kind: Kind,
+    pub(super) kind: PlyKind,
     /// The name in quotation marks, with special characters escaped.
     pub(super) name: String,
     pub(super) count: u64,
@@ -29,7 +29,7 @@ pub(super) struct Element {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum PlyKind {
     Vertex,
     Face,
     TriStrips,
@@ -88,7 +88,7 @@ impl Type {
 }
 
 /// Reads the header from the start of a file, and leaves the input at the body.
-pub(super) fn read(input: &mut Input) -> Result<Header, ReadError> {
+pub(super) fn read(input: &mut Input) -> Result<PlyHeader, ReadError> {
     // The line end of the first line applies to all. After `end_header` and a CR, a LF may be the first byte of binary
     // data: it belongs to the line end only if the first line ends with CR LF.
     let start = input.peek(LONGEST_HEADER)?;
@@ -100,14 +100,14 @@ pub(super) fn read(input: &mut Input) -> Result<Header, ReadError> {
         let line = input.line_until(if is_cr_alone { b'\r' } else { b'\n' })?;
         lines.number += 1;
         let Some(line) = line else {
-            let flaw = Flaw::new(FaultKind::Truncated, "a header that ends with \"end_header\"", "the end of the file");
+            let flaw = Flaw::new(FileFaultKind::Truncated, "a header that ends with \"end_header\"", "the end of the file");
             return Err(flaw.at_line(lines.number).into());
         };
         let line = if is_cr_alone { line } else { line.strip_suffix(b"\r").unwrap_or(line) };
         let is_end = lines.statement(line).map_err(|flaw| flaw.at_line(lines.number))?;
         if input.offset() - begin > LONGEST_HEADER as u64 {
             let expected = format!("a header of at most {LONGEST_HEADER} bytes");
-            return Err(Flaw::new(FaultKind::TooLarge, expected, "a longer one").at_line(lines.number).into());
+            return Err(Flaw::new(FileFaultKind::TooLarge, expected, "a longer one").at_line(lines.number).into());
         }
         if is_end {
             let number = lines.number;
@@ -157,7 +157,7 @@ impl HeaderLines {
             return Err(Flaw::malformed("version 1.0", version));
         }
         if self.format.replace(format).is_some() {
-            return Err(Flaw::new(FaultKind::Malformed, "one format", "a second one"));
+            return Err(Flaw::new(FileFaultKind::Malformed, "one format", "a second one"));
         }
         Ok(())
     }
@@ -165,13 +165,13 @@ impl HeaderLines {
     fn element(&mut self, words: &mut Words) -> Result<(), Flaw> {
         let name = words.next().ok_or_else(|| Flaw::malformed("the name of an element", b""))?;
         let kind = match name {
-            b"vertex" => Kind::Vertex,
-            b"face" => Kind::Face,
-            b"tristrips" => Kind::TriStrips,
-            _ => Kind::Other,
+            b"vertex" => PlyKind::Vertex,
+            b"face" => PlyKind::Face,
+            b"tristrips" => PlyKind::TriStrips,
+            _ => PlyKind::Other,
         };
-        if kind != Kind::Other && self.elements.iter().any(|element| element.kind == kind) {
-            return Err(Flaw::new(FaultKind::Malformed, "one element of this name", quoted(name)));
+        if kind != PlyKind::Other && self.elements.iter().any(|element| element.kind == kind) {
+            return Err(Flaw::new(FileFaultKind::Malformed, "one element of this name", quoted(name)));
         }
         let count = words.next().unwrap_or_default();
         let count = integer(count).ok_or_else(|| Flaw::malformed("a count of at most 18 digits", count))?;
@@ -181,14 +181,14 @@ impl HeaderLines {
 
     fn property(&mut self, words: &mut Words) -> Result<(), Flaw> {
         let Some(element) = self.elements.last_mut() else {
-            return Err(Flaw::new(FaultKind::Malformed, "an element before its properties", "a property"));
+            return Err(Flaw::new(FileFaultKind::Malformed, "an element before its properties", "a property"));
         };
         let first = words.next().unwrap_or_default();
         let property = if first == b"list" {
             let count = Type::of(words.next().unwrap_or_default())?;
             let item = Type::of(words.next().unwrap_or_default())?;
             let name = name(words)?;
-            let corners = matches!(element.kind, Kind::Face | Kind::TriStrips) && matches!(name, b"vertex_indices" | b"vertex_index");
+            let corners = matches!(element.kind, PlyKind::Face | PlyKind::TriStrips) && matches!(name, b"vertex_indices" | b"vertex_index");
             if !count.is_integer() || (corners && !item.is_integer()) {
                 return Err(Flaw::malformed("integers", name));
             }
@@ -197,23 +197,23 @@ impl HeaderLines {
             let number = Type::of(first)?;
             let axes: [&[u8]; 3] = [b"x", b"y", b"z"];
             let name = name(words)?;
-            let axis = axes.iter().position(|axis| *axis == name).filter(|_| element.kind == Kind::Vertex);
+            let axis = axes.iter().position(|axis| *axis == name).filter(|_| element.kind == PlyKind::Vertex);
             Property::Scalar { number, axis }
         };
         let has_a_role = matches!(property, Property::Scalar { axis: Some(_), .. } | Property::List { corners: true, .. });
         if has_a_role && element.properties.iter().any(|other| other.has_the_same_role_as(&property)) {
-            return Err(Flaw::new(FaultKind::Malformed, "each coordinate and the corners once", "a second time"));
+            return Err(Flaw::new(FileFaultKind::Malformed, "each coordinate and the corners once", "a second time"));
         }
         element.properties.push(property);
         Ok(())
     }
 
     /// The header that the lines describe, if it describes a surface.
-    fn header(self) -> Result<Header, Flaw> {
-        let missing = |what: &'static str| Flaw::new(FaultKind::Malformed, what, "the end of the header without it");
+    fn header(self) -> Result<PlyHeader, Flaw> {
+        let missing = |what: &'static str| Flaw::new(FileFaultKind::Malformed, what, "the end of the header without it");
         let format = self.format.ok_or_else(|| missing("a format"))?;
         let place = |kind| self.elements.iter().position(|element| element.kind == kind);
-        let vertex = place(Kind::Vertex).ok_or_else(|| missing("an element vertex"))?;
+        let vertex = place(PlyKind::Vertex).ok_or_else(|| missing("an element vertex"))?;
         let has = |element: &Element, wanted: &dyn Fn(&Property) -> bool| element.properties.iter().any(wanted);
         for (axis, name) in ["a vertex property x", "a vertex property y", "a vertex property z"].into_iter().enumerate() {
             if !has(&self.elements[vertex], &|property| matches!(property, Property::Scalar { axis: Some(other), .. } if *other == axis)) {
@@ -221,18 +221,18 @@ impl HeaderLines {
             }
         }
         for (kind, list, order) in [
-            (Kind::Face, "a list vertex_indices of the faces", "the element face before vertex"),
-            (Kind::TriStrips, "a list vertex_indices of the triangle strips", "the element tristrips before vertex"),
+            (PlyKind::Face, "a list vertex_indices of the faces", "the element face before vertex"),
+            (PlyKind::TriStrips, "a list vertex_indices of the triangle strips", "the element tristrips before vertex"),
         ] {
             let Some(face) = place(kind).filter(|face| self.elements[*face].count > 0) else { continue };
             if !has(&self.elements[face], &|property| matches!(property, Property::List { corners: true, .. })) {
                 return Err(missing(list));
             }
             if face < vertex {
-                return Err(Flaw::new(FaultKind::Malformed, "vertices before faces", order));
+                return Err(Flaw::new(FileFaultKind::Malformed, "vertices before faces", order));
             }
         }
-        Ok(Header { format, elements: self.elements, unit: self.unit.unit() })
+        Ok(PlyHeader { format, elements: self.elements, unit: self.unit.unit() })
     }
 }
 

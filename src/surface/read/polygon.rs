@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use super::fault::{FaultKind, Flaw};
+use super::fault::{FileFaultKind, Flaw};
 
 /// The largest number of corners of a polygon.
 const MOST_CORNERS: usize = 1 << 16;
@@ -46,7 +46,7 @@ impl Polygon {
 
     pub(super) fn add(&mut self, corner: [f64; 3]) -> Result<(), Flaw> {
         if self.corners.len() >= MOST_CORNERS {
-            return Err(Flaw::new(FaultKind::TooLarge, format!("at most {MOST_CORNERS} corners in a face"), "more"));
+            return Err(Flaw::new(FileFaultKind::TooLarge, format!("at most {MOST_CORNERS} corners in a face"), "more"));
         }
         self.corners.push(corner);
         Ok(())
@@ -70,7 +70,7 @@ impl Polygon {
             Fan::Crosses => Ok(Cut::Crossed),
             Fan::TurnsOver(_) if corners.len() > MOST_CORNERS_BY_EARS => {
                 let expected = format!("at most {MOST_CORNERS_BY_EARS} corners in a face that is not convex");
-                Err(Flaw::new(FaultKind::TooLarge, expected, corners.len().to_string()))
+                Err(Flaw::new(FileFaultKind::TooLarge, expected, corners.len().to_string()))
             }
             Fan::TurnsOver(area) => Ok(self.ring.cut(corners, area, emit)),
         }
@@ -340,9 +340,9 @@ mod tests {
         for [u, v] in &hollow {
             polygon.add([*u, *v, 0.0]).unwrap();
         }
-        assert_eq!(polygon.cut(|_| ()).unwrap_err().kind(), FaultKind::TooLarge);
+        assert_eq!(polygon.cut(|_| ()).unwrap_err().kind(), FileFaultKind::TooLarge);
         assert!((hollow.len()..MOST_CORNERS).all(|_| polygon.add([0.0; 3]).is_ok()));
-        assert_eq!(polygon.add([0.0; 3]).unwrap_err().kind(), FaultKind::TooLarge);
+        assert_eq!(polygon.add([0.0; 3]).unwrap_err().kind(), FileFaultKind::TooLarge);
     }
 
     proptest! {

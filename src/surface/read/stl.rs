@@ -11,14 +11,14 @@
 //! Normals are ignored in both, because the corners define them: zero and NaN are accepted.
 
 use super::decimal::{Decimals, unbounded};
-use super::fault::{Fault, FaultKind, Flaw, ReadError};
+use super::fault::{FileFault, FileFaultKind, Flaw, ReadError};
 use super::input::Input;
-use super::{Format, LARGEST_COORDINATE, Notes, Sink, Summary};
+use super::{Format, LARGEST_COORDINATE, Notes, ReadSummary, Sink};
 
 const END: &str = "the end of the file";
 
 /// Reads an STL in text.
-pub(super) fn read_text(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+pub(super) fn read_text(input: &mut Input, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
     let mut decimals = Decimals::default();
     // Inside a solid, or after a facet outside any solid.
     let (mut in_solid, mut facets) = (false, 0);
@@ -36,10 +36,10 @@ pub(super) fn read_text(input: &mut Input, sink: &mut dyn Sink) -> Result<Summar
         }
     }
     if facets == 0 {
-        return Err(Flaw::new(FaultKind::Empty, "\"facet\"", END).at_line(input.number_at_end()).into());
+        return Err(Flaw::new(FileFaultKind::Empty, "\"facet\"", END).at_line(input.number_at_end()).into());
     }
     let notes = Notes { missing_end: in_solid, ..Notes::default() };
-    Ok(Summary { format: Format::StlAscii, points: 0, facets, unit: None, notes })
+    Ok(ReadSummary { format: Format::StlAscii, points: 0, facets, unit: None, notes })
 }
 
 /// Reads a facet after the word `facet`.
@@ -73,7 +73,7 @@ fn keyword(input: &mut Input, name: &[u8], expected: &'static str) -> Result<(),
 fn read_word<T>(input: &mut Input, expected: &'static str, read: impl FnOnce(&[u8]) -> Result<T, Flaw>) -> Result<T, ReadError> {
     match input.word()? {
         Some(word) => read(word).map_err(|flaw| flaw.at_line(input.number()).into()),
-        None => Err(Flaw::new(FaultKind::Truncated, expected, END).at_line(input.number_at_end()).into()),
+        None => Err(Flaw::new(FileFaultKind::Truncated, expected, END).at_line(input.number_at_end()).into()),
     }
 }
 
@@ -84,11 +84,11 @@ const RECORD: usize = 50;
 const FIRST_CORNER: usize = 12;
 
 /// Reads a binary STL.
-pub(super) fn read_binary(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+pub(super) fn read_binary(input: &mut Input, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
     let Some(start) = input.block(START)? else {
         let length = input.peek(START)?.len();
         let expected = format!("{START} bytes of header and count of a binary STL");
-        return Err(Flaw::new(FaultKind::Truncated, expected, length.to_string()).at_byte(length as u64).into());
+        return Err(Flaw::new(FileFaultKind::Truncated, expected, length.to_string()).at_byte(length as u64).into());
     };
     let promised = start.last_chunk().map_or(0, |count| u64::from(u32::from_le_bytes(*count)));
     let mut facets = 0;
@@ -98,7 +98,7 @@ pub(super) fn read_binary(input: &mut Input, sink: &mut dyn Sink) -> Result<Summ
         if records.is_empty() {
             let expected = format!("{promised} facets, as the count at byte {HEADER} says");
             let end = input.offset() + input.peek(RECORD)?.len() as u64;
-            return Err(Flaw::new(FaultKind::Truncated, expected, format!("{END} after {facets}")).at_byte(end).into());
+            return Err(Flaw::new(FileFaultKind::Truncated, expected, format!("{END} after {facets}")).at_byte(end).into());
         }
         for record in records {
             let corners = corners(record);
@@ -115,15 +115,15 @@ pub(super) fn read_binary(input: &mut Input, sink: &mut dyn Sink) -> Result<Summ
     let trailing_bytes = input.skip(u64::MAX)?;
     if promised == 0 {
         let found = format!("the count 0, and {trailing_bytes} bytes after it");
-        return Err(Flaw::new(FaultKind::Empty, "a facet", found).at_byte(HEADER as u64).into());
+        return Err(Flaw::new(FileFaultKind::Empty, "a facet", found).at_byte(HEADER as u64).into());
     }
     let notes = Notes { trailing_bytes, ..Notes::default() };
-    Ok(Summary { format: Format::StlBinary, points: 0, facets, unit: None, notes })
+    Ok(ReadSummary { format: Format::StlBinary, points: 0, facets, unit: None, notes })
 }
 
 /// The fault of the first coordinate out of range in the record at `offset`.
 #[cold]
-fn out_of_range(corners: &[[f64; 3]; 3], offset: u64) -> Fault {
+fn out_of_range(corners: &[[f64; 3]; 3], offset: u64) -> FileFault {
     let numbers = corners.as_flattened();
     let first = numbers.iter().position(|value| value.is_nan() || value.abs() > LARGEST_COORDINATE).unwrap_or(0);
     unbounded(&numbers[first].to_string()).at_byte(offset + (FIRST_CORNER + 4 * first) as u64)

@@ -1,6 +1,6 @@
 //! Names of units of length, in headers of tables and in comments.
 
-use super::fault::{FaultKind, Flaw};
+use super::fault::{FileFaultKind, Flaw};
 use crate::surface::Unit;
 
 /// The unit of length of this name in lower case; an error for a unit that is not supported.
@@ -40,7 +40,7 @@ impl CommentedUnit {
         let Some(unit) = length_unit(name).filter(|_| are_fillers) else { return Ok(()) };
         let unit = unit?;
         match self.0.replace(unit) {
-            Some(before) if before != unit => Err(Flaw::new(FaultKind::Ambiguous, "one unit in the comments", "different ones")),
+            Some(before) if before != unit => Err(Flaw::new(FileFaultKind::Ambiguous, "one unit in the comments", "different ones")),
             _ => Ok(()),
         }
     }
@@ -81,7 +81,7 @@ mod tests {
         let mut commented = CommentedUnit::default();
         commented.read(b"# units: mm").unwrap();
         commented.read(b"# units: mm").unwrap();
-        assert_eq!(commented.read(b"# units: inches").unwrap_err().kind(), FaultKind::Ambiguous);
-        assert_eq!(CommentedUnit::default().read(b"# units: km").unwrap_err().kind(), FaultKind::Malformed);
+        assert_eq!(commented.read(b"# units: inches").unwrap_err().kind(), FileFaultKind::Ambiguous);
+        assert_eq!(CommentedUnit::default().read(b"# units: km").unwrap_err().kind(), FileFaultKind::Malformed);
     }
 }

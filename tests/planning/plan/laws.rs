@@ -99,8 +99,8 @@ fn refining_the_mesh_converges() {
             println!("{model:?} surface {surface}: {coarse:.3} {middle:.3} {fine:.3} s");
             // The path is that of the facets. Quads of 0.9 mm are up to 2 um from the surface, a fifth of the scallop
             // height, by which spacings may be 1 - sqrt(0.8) = 0.1 narrower in the worst strips; those of 0.5 mm a quarter
-            // of that. One pass more or less is 1 in 100.
-            assert!((fine / middle - 1.0).abs() < 0.04, "{coarse} {middle} {fine}");
+            // of that. So times differ by up to 0.075, if all strips are the worst. One pass more or less is 1 in 100.
+            assert!((fine / middle - 1.0).abs() < 0.05, "{coarse} {middle} {fine}");
             assert!((fine - middle).abs() < 0.5 * (middle - coarse).abs() + 0.01 * fine, "{coarse} {middle} {fine}");
         }
     }

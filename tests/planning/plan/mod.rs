@@ -3,6 +3,7 @@
 
 mod hostile;
 mod laws;
+mod operations;
 mod parts;
 mod passes;
 mod published;

@@ -15,7 +15,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 fn planned(part: &Workpiece, candidate: CandidateCutter, settings: &PlanSettings) -> (CandidatePlan, Passes) {
     let plan = ranked_on(part, &[candidate], settings).plans.remove(0);
-    let path = passes(part, &plan, &candidate, settings, &|| false).unwrap();
+    let path = passes(part, &plan, settings, &|| false).unwrap();
     (plan, path)
 }
 

@@ -5,10 +5,11 @@ use super::parts::{blade, cavity, cone_on_floor, dome_on_flange, field, fillet_w
 use super::surfaces::{Facet, cross, dot, minus, placed, unit};
 use super::{in_direction, mm, ranked_on, settings, workpiece};
 use crate::simulation::random::Random;
-use crate::simulation::swept::{Swept, Torus};
+use crate::simulation::swept::{Solid, Swept};
 use scallopd::milling::{Cutter, Model};
 use scallopd::path::MoveKind;
-use scallopd::planning::plan::{CandidateCutter, Passes, PlanSettings, passes};
+use scallopd::planning::plan::{CandidateCutter, FinishFigures, PassPoint, PlanSettings, passes};
+use scallopd::quantity::Angle;
 use std::fmt;
 
 /// The scallop height of all plans, in mm.
@@ -60,7 +61,7 @@ impl Points {
     }
 
     /// How far the cutter with this tip stays clear of all points, negative where it stands into one.
-    fn clearance(&self, cutter: Torus, tip: [f64; 3]) -> f64 {
+    fn clearance(&self, cutter: &Solid, tip: [f64; 3]) -> f64 {
         let mut least = f64::INFINITY;
         let reach = cutter.outer + 0.5;
         let columns = cell((tip[0] - reach - self.low[0]).max(0.0))..(cell((tip[0] + reach - self.low[0]).max(0.0)) + 1).min(self.columns);
@@ -81,30 +82,28 @@ fn cell(from_low: f64) -> usize {
 }
 
 /// Whether the cutter can stand so that it touches a place and nothing else.
-fn can_reach(points: &Points, cutter: Torus, place: [f64; 3], normal: [f64; 3]) -> bool {
+fn can_reach(points: &Points, cutter: &Solid, place: [f64; 3], normal: [f64; 3]) -> bool {
     let horizontal = normal[0].hypot(normal[1]);
-    let tip = |aside: [f64; 2]| {
-        let centre = [0, 1, 2].map(|axis| place[axis] + cutter.corner * normal[axis]);
-        [centre[0] + aside[0], centre[1] + aside[1], centre[2] - cutter.corner]
-    };
-    let core = cutter.outer - cutter.corner;
+    let [offset, height] = cutter.point(horizontal.atan2(normal[2]));
     if horizontal > 1e-9 {
-        let down_hill = tip([core * normal[0] / horizontal, core * normal[1] / horizontal]);
-        if points.clearance(cutter, down_hill) >= -STANDS_INTO {
+        let aside = [0, 1].map(|axis| place[axis] + offset * normal[axis] / horizontal);
+        if points.clearance(cutter, [aside[0], aside[1], place[2] - height]) >= -STANDS_INTO {
             return true;
         }
     }
     // Under the flat of a cutter a level place is touched from every axis within it.
+    let flat = cutter.point(0.0)[0];
+    let tip = |aside: [f64; 2]| [place[0] + aside[0], place[1] + aside[1], place[2] - height];
     let around = (0..4).flat_map(|ring| (0..16).map(move |step| (f64::from(ring) / 3.0, std::f64::consts::TAU * f64::from(step) / 16.0)));
-    horizontal * core < 0.02
+    horizontal * flat < 0.02
         && around
-            .map(|(share, turn)| tip([share * core * turn.cos(), share * core * turn.sin()]))
+            .map(|(share, turn)| tip([share * flat * turn.cos(), share * flat * turn.sin()]))
             .any(|tip| points.clearance(cutter, tip) >= -STANDS_INTO)
 }
 
 /// What a path leaves, and what its plan states.
 #[derive(Debug, Clone, Copy)]
-struct Verdict {
+pub(super) struct Verdict {
     /// The shares of the area left over 1.02 of the tolerance, of what the cutter can reach and of the rest.
     over: f64,
     uncut: f64,
@@ -136,17 +135,12 @@ impl fmt::Display for Verdict {
 impl Verdict {
     /// The promises: half a per cent of what the cutter reaches over 1.02 of the tolerance at most, no cut into the part
     /// deeper than 4 um, and stated shares within a percentage point.
-    fn is_kept(&self) -> bool {
+    pub(super) fn is_kept(&self) -> bool {
         self.over <= 0.005
             && self.gouge.iter().all(|depth| *depth <= 4.0)
             && (self.over - self.stated[0]).abs() <= 0.01
             && (self.uncut - self.stated[1]).abs() <= 0.01
     }
-}
-
-fn moves_of(passes: &Passes, is_cut: bool) -> Vec<[[f64; 3]; 2]> {
-    let pairs = passes.points.windows(2).filter(|pair| (pair[1].kind == MoveKind::Cut) == is_cut);
-    pairs.map(|pair| [pair[0].tip, pair[1].tip]).collect()
 }
 
 /// Whether a facet lies more than 1 um over a place.
@@ -189,42 +183,66 @@ fn drawn(facets: &[Facet]) -> Vec<([f64; 3], [f64; 3])> {
     places
 }
 
+/// The path of a cutter.
+pub(super) struct Path<'a> {
+    pub(super) cutter: Cutter,
+    pub(super) points: &'a [PassPoint],
+}
+
 /// Plans a cutter on a part and mills it.
 fn verdict(facets: &[Facet], cutter: Cutter, settings: &PlanSettings) -> Option<Verdict> {
     let part = workpiece(facets);
-    let candidate = CandidateCutter::new(cutter);
     let settings = PlanSettings { max_uncut_share: 1.0, ..settings.clone() };
-    let ranking = ranked_on(&part, &[candidate], &settings);
+    let ranking = ranked_on(&part, &[CandidateCutter::new(cutter)], &settings);
     let plan = ranking.plans.first()?;
-    let path = passes(&part, plan, &candidate, &settings, &|| false)?;
-    let solid = Torus { outer: cutter.outer_radius().mm(), corner: cutter.corner_radius().mm() };
-    let [cuts, others] = [true, false].map(|is_cut| Swept::new(solid, moves_of(&path, is_cut)));
-    let links =
-        Swept::new(solid, path.points.windows(2).filter(|pair| pair[1].kind == MoveKind::Link).map(|pair| [pair[0].tip, pair[1].tip]));
+    let path = passes(&part, plan, &settings, &|| false)?;
+    let verdict = milled(facets, &[Path { cutter, points: &path.points }], &plan.milled?.finish);
+    Some(Verdict { seconds: plan.time.seconds(), ..verdict })
+}
+
+/// What paths, one after the other, leave on a part, beside the figures that are stated.
+pub(super) fn milled(facets: &[Facet], paths: &[Path], stated: &FinishFigures) -> Verdict {
+    let swept = |is_wanted: fn(MoveKind) -> bool| -> Vec<Swept> {
+        let of = |path: &Path| {
+            let pairs = path.points.windows(2).filter(|pair| is_wanted(pair[1].kind));
+            Swept::new(Solid::of(path.cutter), pairs.map(|pair| [pair[0].tip, pair[1].tip]))
+        };
+        paths.iter().map(of).collect()
+    };
+    let [cuts, others, links] =
+        [swept(|kind| kind == MoveKind::Cut), swept(|kind| kind != MoveKind::Cut), swept(|kind| kind == MoveKind::Link)];
     let points = Points::of(facets);
     let places = drawn(facets);
     let cap = 5.0 * TOLERANCE;
-    let mut left: Vec<f64> = places.iter().map(|(place, _)| cuts.distance(*place, cap).min(links.distance(*place, cap))).collect();
+    let nearest = |place: [f64; 3]| cuts.iter().chain(&links).map(|swept| swept.distance(place, cap)).fold(cap, f64::min);
+    let mut left: Vec<f64> = places.iter().map(|(place, _)| nearest(*place)).collect();
     let over: Vec<_> = places.iter().zip(&left).filter(|(_, left)| **left > 1.02 * TOLERANCE).map(|(place, _)| place).collect();
     // Of many places, some stand for all.
     let every = over.len().div_ceil(400).max(1);
     let looked_at: Vec<_> = over.iter().step_by(every).collect();
-    let reached = looked_at.iter().filter(|(place, normal)| can_reach(&points, solid, *place, *normal)).count();
+    let reaches = |path: &Path, (place, normal): &([f64; 3], [f64; 3])| can_reach(&points, &Solid::of(path.cutter), *place, *normal);
+    let reached = looked_at.iter().filter(|place| paths.iter().any(|path| reaches(path, place))).count();
     #[expect(clippy::cast_precision_loss, reason = "thousands")]
     let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
     let (over, reachable) = (share(over.len(), places.len()), share(reached, looked_at.len()));
-    let deepest = |swept: &Swept| 1e3 * points.places.iter().map(|point| -swept.distance(*point, 0.0)).fold(0.0, f64::max);
+    let deepest = |swept: &[Swept]| {
+        let depths = points.places.iter().flat_map(|point| swept.iter().map(|swept| -swept.distance(*point, 0.0)));
+        1e3 * depths.fold(0.0, f64::max)
+    };
     let gouge = [deepest(&cuts), deepest(&others)];
     left.sort_by(f64::total_cmp);
-    let figures = plan.milled?.finish;
-    Some(Verdict {
+    Verdict {
         over: over * reachable,
         uncut: over * (1.0 - reachable),
         gouge,
         median: 1e3 * left[left.len() / 2],
-        stated: [figures.far_over_share, figures.uncut_share, 1e3 * figures.gouge.mm()],
-        seconds: plan.time.seconds(),
-    })
+        stated: [stated.far_over_share, stated.uncut_share, 1e3 * stated.gouge.mm()],
+        seconds: 0.0,
+    }
+}
+
+fn degrees(value: f64) -> Angle {
+    Angle::from_degrees(value).unwrap()
 }
 
 fn ball(diameter: f64) -> Cutter {
@@ -249,8 +267,11 @@ fn keeps_the_tolerance(name: &str, facets: &[Facet], cutters: &[Cutter]) {
     for (cutter, (turn, direction)) in cutters.iter().zip([(0.0, 0.0), (17.3, 90.0)].into_iter().cycle()) {
         let verdict = verdict(&placed(facets, turn, [0.0; 3]), *cutter, &in_direction(Model::Envelope, direction));
         let said = verdict.map_or_else(|| "no plan".to_owned(), |verdict| verdict.to_string());
-        let (diameter, corner) = (2.0 * cutter.outer_radius().mm(), cutter.corner_radius().mm());
-        let line = format!("{name}, turned {turn} deg, direction {direction} deg, D{diameter} r{corner}: {said}");
+        let line = format!(
+            "{name}, turned {turn} deg, direction {direction} deg, {:?} of {} mm: {said}",
+            cutter.kind(),
+            2.0 * cutter.outer_radius().mm()
+        );
         println!("{line}");
         if !verdict.is_some_and(|verdict| verdict.is_kept()) {
             broken.push(line);
@@ -348,6 +369,45 @@ fn a_dome_on_a_flange() {
 #[test]
 fn a_blade() {
     keeps_the_tolerance("blade", &field([30.0, 20.0], 0.5, blade), &[ball(6.0), bull_nose(6.0, 1.0)]);
+}
+
+/// What is carved with tapered balls: shallow strokes with rounded feet.
+#[test]
+fn a_relief_by_a_tapered_ball() {
+    let relief = |x: f64, y: f64| 0.4 * (1.3 * x).sin() * (1.1 * y).cos();
+    let tapered = Cutter::tapered_ball(mm(1.0), degrees(5.0), mm(4.0)).unwrap();
+    keeps_the_tolerance("relief", &field([8.0, 6.0], 0.1, relief), &[tapered]);
+}
+
+/// A conical barrel beside a ball of its diameter on the side of a blade: its arc of 80 mm takes wide steps where the side has its
+/// slope.
+#[test]
+fn the_side_of_a_blade_by_a_conical_barrel() {
+    let side = |x: f64, y: f64| 70_f64.to_radians().tan() * x + 0.01 * (y - 10.0).powi(2);
+    let facets = field([5.0, 20.0], 0.25, side);
+    let barrel = Cutter::conical_barrel(mm(10.0), mm(2.0), mm(80.0), degrees(20.0)).unwrap();
+    keeps_the_tolerance("blade's side", &facets, &[barrel]);
+    is_faster_than(&facets, barrel, ball(10.0), 0.5);
+}
+
+/// A lens beside a bull nose of its diameter and corner in a shallow mould.
+#[test]
+fn a_nearly_level_mould_by_a_lens() {
+    let mould = |x: f64, y: f64| ((x - 16.0).powi(2) + (y - 12.0).powi(2)) / 160.0;
+    let facets = field([32.0, 24.0], 0.4, mould);
+    let lens = Cutter::lens(mm(10.0), mm(30.0), mm(0.5)).unwrap();
+    keeps_the_tolerance("mould", &facets, &[lens]);
+    is_faster_than(&facets, lens, bull_nose(10.0, 0.5), 0.8);
+}
+
+/// A cutter is ranked before another on a part, and takes at most `share` of its time.
+fn is_faster_than(facets: &[Facet], cutter: Cutter, other: Cutter, share: f64) {
+    let candidates = [other, cutter].map(CandidateCutter::new);
+    let ranking = ranked_on(&workpiece(facets), &candidates, &PlanSettings { max_uncut_share: 1.0, ..settings(Model::Envelope) });
+    let times = ranking.plans.iter().map(|plan| (plan.candidate, plan.time.seconds())).collect::<Vec<_>>();
+    println!("{times:?}");
+    assert_eq!(times[0].0, 1);
+    assert!(times.len() == 1 || times[0].1 < share * times[1].1, "{times:?}");
 }
 
 #[test]

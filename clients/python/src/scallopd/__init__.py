@@ -28,8 +28,10 @@ from .objects import *
 from .planning import *
 from .transport import Transport
 
+__version__ = "0.1.0"
+
 # In this form, because pyright does not understand a list that unpacks others.
-__all__ = ["Client"]
+__all__ = ["Client", "__version__"]
 __all__ += calculations.__all__
 __all__ += planning.__all__
 __all__ += objects.__all__
@@ -56,6 +58,7 @@ class Client(calculations.Calculations, planning.Planning):
         retry_for: float = 10.0,
         headers: Optional[Mapping[str, str]] = None,
         ssl_context: Optional[ssl.SSLContext] = None,
+        return_failed_batches: bool = False,
     ) -> None:
         """
         `base_url`: the server, with the path under which a proxy offers it, if any.
@@ -65,7 +68,10 @@ class Client(calculations.Calculations, planning.Planning):
         `retry_for`: seconds that a call waits, in all, between attempts, when the server is overloaded or restarts. Zero disables
         repeating; connections that broke while idle are always replaced. A call that timed out is not repeated.
         `headers`: sent with every request, such as `authorization` for a proxy.
+        `return_failed_batches`: whether a batch whose contacts all failed is returned, as one whose contacts failed in part: null in
+        every column and the reasons in `failures`. By default it raises `Problem`.
         """
+        self._returns_failed_batches = return_failed_batches
         self._transport = Transport(base_url, timeout, retry_for, headers or {}, ssl_context)
 
     def __enter__(self) -> Client:

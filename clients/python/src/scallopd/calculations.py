@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, TypedDict, Union, cast
 
-from .endpoints import Endpoints
-from .objects import AnswerColumn, Contact, Curvature, Cutter, Model, PrincipalCurvature, Vector, Warning
+from .endpoints import Endpoints, parameters_in_help
+from .objects import AnswerColumn, Contact, Curvature, Cutter, Model, PrincipalCurvature, Roughness, Vector, Warning
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -148,6 +148,7 @@ class Check(TypedDict):
 class _Heights(TypedDict):
     model: Model
     scallop_height_mm: float
+    ra_um: float
     step_over_height_mm: float
     feed_height_mm: float
     feed_share: float
@@ -168,6 +169,7 @@ class HeightColumns(_Batch, total=False):
     """Answer of a batch: the selected columns, None for a contact without an answer."""
 
     scallop_height_mm: AnswerColumn
+    ra_um: AnswerColumn
     step_over_height_mm: AnswerColumn
     feed_height_mm: AnswerColumn
     feed_share: AnswerColumn
@@ -185,6 +187,7 @@ class HeightColumns(_Batch, total=False):
 class FeedParameters(SharedParameters, total=False):
     """Parameters of `max_feed` beside the tolerance: one of the two step-overs, and limits of the feed."""
 
+    roughness: Roughness
     step_over_mm: float
     step_over_xy_mm: float
     spindle_speed_rpm: float
@@ -221,6 +224,7 @@ class FeedColumns(HeightColumns, total=False):
 class StepOverParameters(SharedParameters, total=False):
     """Parameters of `step_over` beside the tolerance."""
 
+    roughness: Roughness
     feed_per_tooth_mm: float
 
 
@@ -238,6 +242,7 @@ class StepOver(ScallopHeight):
 class CuttingLimits(SharedParameters, total=False):
     """Parameters of `cutting_parameters` beside the tolerance."""
 
+    roughness: Roughness
     spindle_speed_rpm: float
     max_feed_per_tooth_mm: float
     max_feed_rate_mm_min: float
@@ -270,6 +275,7 @@ class CuttingColumns(HeightColumns, total=False):
     limited_by: List[Optional[List[str]]]
 
 
+@parameters_in_help
 class Calculations(Endpoints):
     """Scallop heights, and the feeds and step-overs under a tolerance."""
 
@@ -279,44 +285,50 @@ class Calculations(Endpoints):
 
     def scallop_height_batch(self, cutter: Cutter, contacts: Contacts, **parameters: Unpack[HeightBatchParameters]) -> HeightColumns:
         """`scallop_height` for many contacts, given as rows or as columns. The answer is columns in the same order."""
-        return cast(HeightColumns, self._post("scallop-height/batch", {"cutter": cutter, **parameters, "contacts": contacts}))
+        return cast(HeightColumns, self._post_batch("scallop-height/batch", {"cutter": cutter, **parameters, "contacts": contacts}))
 
-    def max_feed(self, cutter: Cutter, contact: Contact, scallop_tolerance_mm: float, **parameters: Unpack[FeedParameters]) -> MaxFeed:
+    def max_feed(
+        self, cutter: Cutter, contact: Contact, scallop_tolerance_mm: Optional[float] = None, **parameters: Unpack[FeedParameters]
+    ) -> MaxFeed:
         """The largest feed under a tolerance. Raises `ToleranceExceeded` where the step-over alone uses it up."""
         body = {"cutter": cutter, "contact": contact, "scallop_tolerance_mm": scallop_tolerance_mm, **parameters}
         return cast(MaxFeed, self._post("max-feed", body))
 
     def max_feed_batch(
-        self, cutter: Cutter, contacts: Contacts, scallop_tolerance_mm: float, **parameters: Unpack[FeedBatchParameters]
+        self, cutter: Cutter, contacts: Contacts, scallop_tolerance_mm: Optional[float] = None, **parameters: Unpack[FeedBatchParameters]
     ) -> FeedColumns:
         """`max_feed` for many contacts."""
         body = {"cutter": cutter, "scallop_tolerance_mm": scallop_tolerance_mm, **parameters, "contacts": contacts}
-        return cast(FeedColumns, self._post("max-feed/batch", body))
+        return cast(FeedColumns, self._post_batch("max-feed/batch", body))
 
     def step_over(
-        self, cutter: Cutter, contact: Contact, scallop_tolerance_mm: float, **parameters: Unpack[StepOverParameters]
+        self, cutter: Cutter, contact: Contact, scallop_tolerance_mm: Optional[float] = None, **parameters: Unpack[StepOverParameters]
     ) -> StepOver:
         """The largest step-over under a tolerance."""
         body = {"cutter": cutter, "contact": contact, "scallop_tolerance_mm": scallop_tolerance_mm, **parameters}
         return cast(StepOver, self._post("step-over", body))
 
     def step_over_batch(
-        self, cutter: Cutter, contacts: Contacts, scallop_tolerance_mm: float, **parameters: Unpack[StepOverBatchParameters]
+        self,
+        cutter: Cutter,
+        contacts: Contacts,
+        scallop_tolerance_mm: Optional[float] = None,
+        **parameters: Unpack[StepOverBatchParameters],
     ) -> HeightColumns:
         """`step_over` for many contacts."""
         body = {"cutter": cutter, "scallop_tolerance_mm": scallop_tolerance_mm, **parameters, "contacts": contacts}
-        return cast(HeightColumns, self._post("step-over/batch", body))
+        return cast(HeightColumns, self._post_batch("step-over/batch", body))
 
     def cutting_parameters(
-        self, cutter: Cutter, contact: Contact, scallop_tolerance_mm: float, **limits: Unpack[CuttingLimits]
+        self, cutter: Cutter, contact: Contact, scallop_tolerance_mm: Optional[float] = None, **limits: Unpack[CuttingLimits]
     ) -> CuttingParameters:
         """The step-over and feed per tooth that finish the most area per time under a tolerance."""
         body = {"cutter": cutter, "contact": contact, "scallop_tolerance_mm": scallop_tolerance_mm, **limits}
         return cast(CuttingParameters, self._post("cutting-parameters", body))
 
     def cutting_parameters_batch(
-        self, cutter: Cutter, contacts: Contacts, scallop_tolerance_mm: float, **limits: Unpack[CuttingBatchLimits]
+        self, cutter: Cutter, contacts: Contacts, scallop_tolerance_mm: Optional[float] = None, **limits: Unpack[CuttingBatchLimits]
     ) -> CuttingColumns:
         """`cutting_parameters` for many contacts."""
         body = {"cutter": cutter, "scallop_tolerance_mm": scallop_tolerance_mm, **limits, "contacts": contacts}
-        return cast(CuttingColumns, self._post("cutting-parameters/batch", body))
+        return cast(CuttingColumns, self._post_batch("cutting-parameters/batch", body))

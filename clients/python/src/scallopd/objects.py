@@ -17,27 +17,52 @@ __all__ = [
     "Model",
     "NotRanked",
     "PrincipalCurvature",
+    "ProfileArc",
+    "Roughness",
     "Vector",
 ]
 
 Model = Literal["analytic", "envelope"]
 Vector = Sequence[float]
 AnswerColumn = List[Optional[float]]
-CutterType = Literal["toroidal", "bull_nose", "ball_end", "flat_end"]
+CutterType = Literal["toroidal", "bull_nose", "ball_end", "flat_end", "tapered_ball", "lens", "oval", "conical_barrel", "profile"]
 
 
 # Requests
 
 
+class ProfileArc(TypedDict):
+    """An arc of a cutter's lower profile. The angles are those of the outward normal, 0 straight down and 90 horizontal."""
+
+    radius_mm: float
+    centre_offset_mm: float
+    centre_height_mm: float
+    from_deg: float
+    to_deg: float
+
+
 class _CutterShape(TypedDict):
     type: CutterType
-    diameter_mm: float
 
 
 class Cutter(_CutterShape, total=False):
-    """A cutter. `corner_radius_mm` belongs to the toroidal one (also called bull-nose) and lies between 0 and the radius."""
+    """A cutter with the dimensions of its type:
 
+    - `toroidal` (`bull_nose` is the same): `diameter_mm`, `corner_radius_mm`; `ball_end` and `flat_end`: `diameter_mm`;
+    - `tapered_ball`: `diameter_mm` of the ball, `taper_deg` (half the angle of the cone), `shank_diameter_mm`;
+    - `lens`: `diameter_mm`, `lens_radius_mm`, `corner_radius_mm`;
+    - `oval`: `diameter_mm`, `tip_radius_mm`, `side_radius_mm`; `conical_barrel`: the same and `taper_deg`;
+    - `profile`: `arcs`, from the axis outwards.
+    """
+
+    diameter_mm: float
     corner_radius_mm: float
+    taper_deg: float
+    shank_diameter_mm: float
+    lens_radius_mm: float
+    tip_radius_mm: float
+    side_radius_mm: float
+    arcs: Sequence[ProfileArc]
     teeth: int
 
 
@@ -77,6 +102,17 @@ class Machine(TypedDict, total=False):
     rapid_rate_mm_min: float
     max_spindle_speed_rpm: float
     clearance_height_mm: float
+    path_tolerance_mm: float
+    time_factor: float
+    tool_change_s: float
+
+
+class Roughness(TypedDict, total=False):
+    """The roughness of a drawing in place of a scallop height: `ra_um` or `rz_um`, and how much rougher the real surface is."""
+
+    ra_um: float
+    rz_um: float
+    allowance: float
 
 
 # Answers

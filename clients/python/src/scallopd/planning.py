@@ -4,23 +4,29 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Dict, List, Literal, Mapping, Optional, Sequence, TypedDict, Union, cast
 
-from .endpoints import Endpoints
+from .endpoints import Endpoints, parameters_in_help
 from .multipart import File, Source
-from .objects import AnswerColumn, Cutter, CutterType, Machine, Model, NotRanked, Vector, Warning
+from .objects import AnswerColumn, Cutter, CutterType, Machine, Model, NotRanked, Roughness, Vector, Warning
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 __all__ = [
+    "About",
     "Candidate",
     "CriticalSlope",
     "CriticalSlopeParameters",
+    "CutterMap",
     "LibraryFilter",
     "MachinePreset",
     "Mesh",
+    "Operation",
+    "Operations",
+    "OperationsPlan",
     "Passes",
     "PathCheck",
     "PathCheckParameters",
+    "PathFeeds",
     "PathPlace",
     "StatedPath",
     "Plan",
@@ -29,6 +35,7 @@ __all__ = [
     "Recommendation",
     "RecommendationParameters",
     "Recommended",
+    "RestOf",
     "Selection",
     "Surface",
 ]
@@ -46,12 +53,16 @@ class CriticalSlopeParameters(TypedDict, total=False):
     characteristic_size_mm2: float
     slope_deg: float
     model: Model
+    roughness: Roughness
+    scallop_height_mm: float  # The older name of the tolerance.
 
 
 class CriticalSlope(TypedDict, total=False):
     """Answer of `critical_slope`. `always_faster` names the cutter that is faster on every slope, where there is one; with `slope_deg`
     come the two candidates, the recommended one and the critical form factor."""
 
+    form_factor: float
+    characteristic_size_mm2: float
     critical_slope_deg: float
     always_faster: Literal["toroidal", "ball_end"]
     critical_form_factor: float
@@ -71,6 +82,7 @@ class MachinePreset(TypedDict):
     feed_rate_mm_min: float
     acceleration_m_s2: float
     jerk_m_s3: float
+    usual_path_tolerance_mm: float
     source: str
 
 
@@ -133,9 +145,23 @@ class ProgramOptions(TypedDict, total=False):
     coolant: bool
 
 
+class Operations(TypedDict):
+    """How many operations a plan may have: 1 to 3."""
+
+    max: int
+
+
+class RestOf(TypedDict):
+    """A cutter that has machined everything before: only what it could not reach is machined."""
+
+    cutter: Cutter
+
+
 class RecommendationParameters(TypedDict, total=False):
     """Parameters of a recommendation beside the surface, cutters, tolerance and machine."""
 
+    roughness: Roughness
+    scallop_height_mm: float  # The older name of the tolerance.
     pattern: Literal["zigzag", "one_way"]
     library_filter: LibraryFilter
     max_slope_deg: float
@@ -145,9 +171,11 @@ class RecommendationParameters(TypedDict, total=False):
     unit: str
     facing: str
     max_uncut_share: float
+    operations: Operations
+    rest_of: RestOf
     select: Selection
     avoid: Surface
-    include: Sequence[Literal["map", "passes", "program"]]
+    include: Sequence[Literal["map", "maps", "passes", "program"]]
     program: ProgramOptions
 
 
@@ -181,6 +209,7 @@ class Plan(TypedDict, total=False):
     feed_rate_mm_min: float
     feed_per_tooth_mm: float
     scallop_height_mm: Dict[str, float]
+    ra_um: float
     over_tolerance_share: float
     uncut_share: float
     uncut_height_mm: float
@@ -192,11 +221,45 @@ class Plan(TypedDict, total=False):
     rectangle: Dict[str, float]
 
 
+class Operation(TypedDict, total=False):
+    """One operation of a plan; `step_down_mm` in place of `step_over_xy_mm` for waterlines."""
+
+    cutter: int
+    name: str
+    family: Literal["zigzag", "one_way", "waterline"]
+    direction_deg: float
+    region: Dict[str, Any]
+    machining_time_s: float
+    passes: int
+    path_length_mm: float
+    step_over_xy_mm: Dict[str, float]
+    step_down_mm: Dict[str, float]
+    feed_rate_mm_min: float
+    links: Dict[str, float]
+    scallop_height_mm: Dict[str, float]
+    over_tolerance_share: float
+    gouge_mm: float
+
+
+class OperationsPlan(TypedDict):
+    """The fastest plan of the allowed number of operations, with the figures of all together."""
+
+    machining_time_s: float
+    tool_changes: int
+    operations: List[Operation]
+    scallop_height_mm: Dict[str, float]
+    over_tolerance_share: float
+    uncut_share: float
+    gouge_mm: float
+    used_share: float
+
+
 class Passes(TypedDict, total=False):
     """The passes point by point, in cutting order; a run begins at each index of `run_starts`. `move` is
     how the tool gets to a point; `contact_mm` is None on links, on rapid moves, over gaps and beyond borders."""
 
     run_starts: List[int]
+    operation: List[int]
     move: List[Literal["cut", "link", "rapid"]]
     contact_mm: List[Optional[List[float]]]
     normal: List[Optional[List[float]]]
@@ -206,6 +269,13 @@ class Passes(TypedDict, total=False):
     feed_rate_mm_min: AnswerColumn
     scallop_height_mm: AnswerColumn
     surface_curvature: Dict[str, AnswerColumn]
+
+
+class CutterMap(TypedDict):
+    """Where one cutter does not fit, on the cells of `map`: how high it stands over its contact there."""
+
+    cutter: int
+    uncut_mm: AnswerColumn
 
 
 class _RecommendationAnswer(TypedDict):
@@ -220,12 +290,15 @@ class _RecommendationAnswer(TypedDict):
 
 
 class Recommendation(_RecommendationAnswer, total=False):
-    """Answer of a recommendation; `map`, `passes` and `program` where `include` asks for them."""
+    """Answer of a recommendation; `map`, `maps`, `passes` and `program` where `include` asks for them."""
 
     critical_slope_deg: float
     always_faster: Literal["toroidal", "ball_end"]
     critical_form_factor: float
+    rest_area_share: float
+    plan: OperationsPlan
     map: Dict[str, Any]
+    maps: List[CutterMap]
     passes: Passes
     program: Dict[str, str]
 
@@ -243,8 +316,14 @@ class StatedPath(TypedDict, total=False):
 
 
 class PathCheckParameters(TypedDict, total=False):
-    """Parameters of a check beside the surface, the path, the cutter, the tolerance and the machine."""
+    """Parameters of a check beside the surface, the path, the cutter, the tolerance and the machine. `cutters`, by T numbers, is in place
+    of a cutter, which is then None; `roughness` in place of the tolerance."""
 
+    cutters: Mapping[str, Candidate]
+    roughness: Roughness
+    scallop_height_mm: float  # The older name of the tolerance.
+    include: Sequence[Literal["map", "places", "feeds", "program"]]
+    old_feeds_in_comments: bool
     tip: Literal["lowest_point", "centre"]
     max_slope_deg: float
     unit: str
@@ -255,15 +334,25 @@ class PathCheckParameters(TypedDict, total=False):
 class PathPlace(TypedDict, total=False):
     """A place where a path leaves too much or cuts too deep; `move` and `line` are absent where no move comes over it."""
 
-    code: Literal["collision", "gouge", "over-tolerance", "uncut"]
+    code: Literal["collision", "gouge", "over-tolerance", "feed-too-high", "uncut"]
     point_mm: List[float]
     value_mm: float
     move: int
     line: int
 
 
+class PathFeeds(TypedDict, total=False):
+    """The largest feeds that keep the tolerance, for each point of a path; None at points that no move at the feed rate leads to."""
+
+    feed_per_tooth_mm: List[Optional[float]]
+    feed_rate_mm_min: List[Optional[float]]
+    line: List[int]
+    machining_time_s: float
+    never_kept_share: float
+
+
 class PathCheck(TypedDict, total=False):
-    """What a path leaves on a surface."""
+    """What a path leaves on a surface; `map`, `places`, `feeds` and `program` where `include` asks for them, `places` also without it."""
 
     moves: int
     cutting_length_mm: float
@@ -276,10 +365,31 @@ class PathCheck(TypedDict, total=False):
     used_share: float
     gouge: Dict[str, float]
     standard_error: Dict[str, float]
+    ra_um: float
+    scallop_height_with_marks_mm: Dict[str, float]
+    idle_length_mm: float
     places: List[PathPlace]
+    map: Dict[str, Any]
+    feeds: PathFeeds
+    program: Dict[str, str]
+    confidence: Dict[str, Any]
     warnings: List[Warning]
 
 
+class About(TypedDict):
+    """The service's version, its limits in force, and what it reads."""
+
+    version: str
+    limits: Dict[str, int]
+    surface_formats: List[str]
+    path_formats: List[str]
+    tool_library_formats: List[str]
+    presets: List[str]
+    models: List[str]
+    methods: List[str]
+
+
+@parameters_in_help
 class Planning(Endpoints):
     """Recommendations of cutters, the inclined rectangle and the machines."""
 
@@ -287,36 +397,40 @@ class Planning(Endpoints):
         self,
         toroidal: Mapping[str, float],
         ball_end: Mapping[str, float],
-        scallop_height_mm: float,
-        machine: Union[str, Machine],
+        scallop_tolerance_mm: Optional[float] = None,
+        machine: Union[str, Machine, None] = None,
         **rectangle: Unpack[CriticalSlopeParameters],
     ) -> CriticalSlope:
         """The slope of an inclined rectangle up to which the toroidal cutter is the faster one."""
-        body = {"toroidal": toroidal, "ball_end": ball_end, "scallop_height_mm": scallop_height_mm, "machine": _machine(machine)}
+        body = {"toroidal": toroidal, "ball_end": ball_end, "scallop_tolerance_mm": scallop_tolerance_mm, "machine": _machine(machine)}
         return cast(CriticalSlope, self._post("critical-slope", {**body, **rectangle}))
 
     def machines(self) -> List[MachinePreset]:
         """The machines that requests can name."""
         return cast(List[MachinePreset], self._get("machines")["machines"])
 
+    def about(self) -> About:
+        """The service's version, its limits in force, and the formats that it reads."""
+        return cast(About, self._get("about"))
+
     def recommend(
         self,
         surface: Surface,
         cutters: Sequence[Candidate],
-        scallop_height_mm: float,
-        machine: Union[str, Machine],
+        scallop_tolerance_mm: Optional[float] = None,
+        machine: Union[str, Machine, None] = None,
         **parameters: Unpack[RecommendationParameters],
     ) -> Recommendation:
         """Ranks cutters by the time in which they finish a surface. Raises `NoCutterFits` where none can."""
-        body = _recommendation(cutters, scallop_height_mm, machine, cast(Dict[str, Any], parameters))
+        body = _recommendation(cutters, scallop_tolerance_mm, machine, cast(Dict[str, Any], parameters))
         return cast(Recommendation, self._post("cutter-recommendation", {**body, "surface": surface}))
 
     def recommend_file(
         self,
         surface: Union[Source, File],
         cutters: Sequence[Candidate],
-        scallop_height_mm: float,
-        machine: Union[str, Machine],
+        scallop_tolerance_mm: Optional[float] = None,
+        machine: Union[str, Machine, None] = None,
         *,
         libraries: Sequence[Union[Source, File]] = (),
         **parameters: Unpack[RecommendationParameters],
@@ -327,7 +441,7 @@ class Planning(Endpoints):
         format. The cutters of `libraries` (Fusion, FreeCAD or CSV) join `cutters`. A file that cannot be read twice, such as a
         pipe, is sent once: the call is then not repeated.
         """
-        body = _recommendation(cutters, scallop_height_mm, machine, cast(Dict[str, Any], parameters))
+        body = _recommendation(cutters, scallop_tolerance_mm, machine, cast(Dict[str, Any], parameters))
         files = [("surface", surface), *(("library", library) for library in libraries)]
         return cast(Recommendation, self._upload("cutter-recommendation/upload", body, files))
 
@@ -335,40 +449,50 @@ class Planning(Endpoints):
         self,
         surface: Surface,
         path: StatedPath,
-        cutter: Cutter,
-        scallop_height_mm: float,
-        machine: Union[str, Machine],
+        cutter: Optional[Candidate],
+        scallop_tolerance_mm: Optional[float] = None,
+        machine: Union[str, Machine, None] = None,
         **parameters: Unpack[PathCheckParameters],
     ) -> PathCheck:
         """What a path leaves on a surface, where it cuts into the part, and how long it takes."""
-        body = {"cutter": cutter, "scallop_height_mm": scallop_height_mm, "machine": _machine(machine), **cast(Dict[str, Any], parameters)}
+        body = {
+            "cutter": cutter,
+            "scallop_tolerance_mm": scallop_tolerance_mm,
+            "machine": _machine(machine),
+            **cast(Dict[str, Any], parameters),
+        }
         return cast(PathCheck, self._post("path-check", {**body, "surface": surface, "path": path}))
 
     def check_path_file(
         self,
         surface: Union[Source, File],
         path: Union[Source, File],
-        cutter: Cutter,
-        scallop_height_mm: float,
-        machine: Union[str, Machine],
+        cutter: Optional[Candidate],
+        scallop_tolerance_mm: Optional[float] = None,
+        machine: Union[str, Machine, None] = None,
         **parameters: Unpack[PathCheckParameters],
     ) -> PathCheck:
         """`check_path` with the surface and the program in files."""
-        body = {"cutter": cutter, "scallop_height_mm": scallop_height_mm, "machine": _machine(machine), **cast(Dict[str, Any], parameters)}
+        body = {
+            "cutter": cutter,
+            "scallop_tolerance_mm": scallop_tolerance_mm,
+            "machine": _machine(machine),
+            **cast(Dict[str, Any], parameters),
+        }
         return cast(PathCheck, self._upload("path-check/upload", body, [("surface", surface), ("path", path)]))
 
 
-def _machine(machine: Union[str, Machine]) -> Machine:
+def _machine(machine: Union[str, Machine, None]) -> Optional[Machine]:
     return {"preset": machine} if isinstance(machine, str) else machine
 
 
 def _recommendation(
-    cutters: Sequence[Candidate], scallop_height_mm: float, machine: Union[str, Machine], parameters: Dict[str, Any]
+    cutters: Sequence[Candidate], scallop_tolerance_mm: Optional[float], machine: Union[str, Machine, None], parameters: Dict[str, Any]
 ) -> Dict[str, Any]:
     return {
         # An upload may take all its cutters from libraries.
         "cutters": cutters if len(cutters) > 0 else None,
-        "scallop_height_mm": scallop_height_mm,
+        "scallop_tolerance_mm": scallop_tolerance_mm,
         "machine": _machine(machine),
         **parameters,
     }

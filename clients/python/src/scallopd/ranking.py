@@ -41,10 +41,24 @@ def _figure(value: object, digits: int) -> str:
 
 
 def notes(recommendation: Recommendation) -> List[str]:
-    """Confidence with its reasons, and the warnings, a line each."""
+    """A plan of several operations, the confidence with its reasons, and the warnings, a line each."""
     confidence = recommendation["confidence"]
     reasons = [f"  {reason['detail']}" for reason in confidence["reasons"]]
-    return [f"confidence: {confidence['level']}", *reasons, *(f"warning: {warning['detail']}" for warning in recommendation["warnings"])]
+    return [
+        *_several(recommendation),
+        f"confidence: {confidence['level']}",
+        *reasons,
+        *(f"warning: {warning['detail']}" for warning in recommendation["warnings"]),
+    ]
+
+
+def _several(recommendation: Recommendation) -> List[str]:
+    plan = recommendation.get("plan")
+    if plan is None or len(plan["operations"]) < 2:
+        return []
+    operations = [f"{operation.get('name') or operation['cutter']} {operation['family']}" for operation in plan["operations"]]
+    changes = plan["tool_changes"]
+    return [f"in {len(operations)} operations {plan['machining_time_s']:.1f} s, tool changes {changes}: {', '.join(operations)}"]
 
 
 def text(recommendation: Recommendation, limit: Optional[int] = None) -> str:

@@ -1,10 +1,10 @@
 //! Ambiguity of tables without a header. A comma can separate columns or be a decimal comma; lines of many numbers can
 //! be points or a matrix of heights; the first column can be x or the number of the point.
 
-use super::super::fault::{FaultKind, Flaw, quoted};
+use super::super::fault::{FileFaultKind, Flaw, quoted};
 use super::super::words::trimmed;
-use super::evidence::{Evidence, WIDEST_POINT};
 use super::layout::Separator;
+use super::text_evidence::{TextEvidence, WIDEST_POINT};
 
 /// The interpretations that are still possible after the lines so far.
 #[derive(Debug)]
@@ -14,7 +14,7 @@ pub(super) struct Ambiguity {
     /// The smallest and the largest number of fields of a line; `None` once a line cannot have decimal commas.
     commas: Option<(usize, usize)>,
     /// The statistics of the columns; `None` once a line has another number of columns, or fewer than three numbers.
-    columns: Option<Box<Evidence>>,
+    columns: Option<Box<TextEvidence>>,
 }
 
 impl Ambiguity {
@@ -23,12 +23,12 @@ impl Ambiguity {
     /// # Errors
     /// The line has too many numbers for a point.
     pub(super) fn about(line: &[u8], separator: Separator, number: u64) -> Result<Self, Flaw> {
-        let columns = Evidence::of(line, separator).map(Box::new);
+        let columns = TextEvidence::of(line, separator).map(Box::new);
         if columns.as_ref().is_some_and(|columns| columns.width() > WIDEST_POINT) {
             let found = format!(
                 "more of them; either a row of a matrix of heights, or a point and its properties, which a header would name; {AS_POINTS}"
             );
-            return Err(Flaw::new(FaultKind::Ambiguous, format!("at most {WIDEST_POINT} numbers in a line without a header"), found));
+            return Err(Flaw::new(FileFaultKind::Ambiguous, format!("at most {WIDEST_POINT} numbers in a line without a header"), found));
         }
         let commas = (separator == Separator::Comma).then_some((usize::MAX, 0));
         let mut ambiguity = Self { first_line: number, first: quoted(trimmed(line)), commas, columns };
@@ -58,7 +58,7 @@ impl Ambiguity {
         {
             let found = format!("{}: either {most} columns between commas, or three numbers with decimal commas", self.first);
             let expected = "a semicolon, tab or blank between numbers with decimal commas, or a decimal point";
-            return Some((Flaw::new(FaultKind::Ambiguous, expected, found), self.first_line));
+            return Some((Flaw::new(FileFaultKind::Ambiguous, expected, found), self.first_line));
         }
         let columns = self.columns.as_ref()?;
         let width = columns.width();
@@ -71,7 +71,7 @@ impl Ambiguity {
         } else {
             return None;
         };
-        Some((Flaw::new(FaultKind::Ambiguous, "a header that names x, y and z", found), self.first_line))
+        Some((Flaw::new(FileFaultKind::Ambiguous, "a header that names x, y and z", found), self.first_line))
     }
 }
 

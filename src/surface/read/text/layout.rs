@@ -1,7 +1,7 @@
 //! The layout of a text: how lines are split into columns and numbers.
 
 use super::super::decimal::{bounded, names_no_finite_number, number, unbounded};
-use super::super::fault::{FaultKind, Flaw, quoted};
+use super::super::fault::{FileFaultKind, Flaw, quoted};
 use super::super::words::{trimmed, trimmed_start};
 
 /// The separators of columns.
@@ -134,9 +134,9 @@ impl Layout {
         let most = if self.is_named { 3 } else { 6 };
         if self.separator == Separator::Comma && (3..=most).contains(&width) && (3..=6).contains(&count) && self.mark != Some(b'.') {
             let found = format!("{count} fields; either {count} columns between commas, or three numbers with decimal commas");
-            return Flaw::new(FaultKind::Ambiguous, format!("{width} columns, {has}"), found);
+            return Flaw::new(FileFaultKind::Ambiguous, format!("{width} columns, {has}"), found);
         }
-        Flaw::new(FaultKind::Malformed, format!("{width} columns, {has}"), count.to_string())
+        Flaw::new(FileFaultKind::Malformed, format!("{width} columns, {has}"), count.to_string())
     }
 
     /// The number at the start of `rest`, and the text after the separator that follows it.
@@ -196,7 +196,7 @@ impl Layout {
         };
         if self.mark.is_none() && mark == b',' && self.separator == Separator::Comma && is_group_of_thousands(bare) {
             let found = format!("{}: either a decimal comma, or a comma between thousands", quoted(bare));
-            return Err(Flaw::new(FaultKind::Ambiguous, "a decimal point, or a semicolon between columns", found));
+            return Err(Flaw::new(FileFaultKind::Ambiguous, "a decimal point, or a semicolon between columns", found));
         }
         match value {
             Some((value, _)) => {
@@ -220,7 +220,7 @@ impl Layout {
 
     #[cold]
     fn too_few(&self, read: usize) -> Flaw {
-        Flaw::new(FaultKind::Malformed, self.separator.name(), ["none", "one", "two"][read.min(2)])
+        Flaw::new(FileFaultKind::Malformed, self.separator.name(), ["none", "one", "two"][read.min(2)])
     }
 }
 

@@ -9,28 +9,28 @@
 //! whole number before the points is their count, as in PTS. Lines that are blank or begin with `#` or `//` are
 //! comments.
 //!
-//! A table that can be read in two ways is refused with [`FaultKind::Ambiguous`].
+//! A table that can be read in two ways is refused with [`FileFaultKind::Ambiguous`].
 
 mod ambiguity;
-mod evidence;
 mod layout;
 mod probe;
 mod table_header;
+mod text_evidence;
 
-use super::extremes::Extremes;
-use super::fault::{FaultKind, Flaw, ReadError};
+use super::extremes::CoordinateRange;
+use super::fault::{FileFaultKind, Flaw, ReadError};
 use super::input::Input;
 use super::words::{trimmed, trimmed_start};
-use super::{Format, Notes, Sink, Summary};
+use super::{Format, Notes, ReadSummary, Sink};
 use crate::surface;
 use ambiguity::Ambiguity;
 use layout::{Layout, Separator};
 use probe::{Probe, Verdict};
 use std::borrow::Cow;
-use table_header::Header;
+use table_header::TableHeader;
 
 /// Reads points in text.
-pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
     let mut table = Table::default();
     input.each_line(|line, number| table.line(line, number, sink))?;
     table.probe.flush(&mut table.points, &mut table.extremes, sink);
@@ -38,34 +38,34 @@ pub(super) fn read(input: &mut Input, sink: &mut dyn Sink) -> Result<Summary, Re
         return Err(flaw.into());
     }
     if table.points == 0 {
-        return Err(Flaw::new(FaultKind::Empty, "three numbers", "the end of the file").at_line(input.number_at_end()).into());
+        return Err(Flaw::new(FileFaultKind::Empty, "three numbers", "the end of the file").at_line(input.number_at_end()).into());
     }
     if let Some((count, line)) = table.count.filter(|(count, _)| *count != table.points) {
         let found = format!("{} lines of data; either points are missing or too many, or the line is no count", table.points);
-        return Err(Flaw::new(FaultKind::Ambiguous, format!("{count} points, as this line counts them"), found).at_line(line).into());
+        return Err(Flaw::new(FileFaultKind::Ambiguous, format!("{count} points, as this line counts them"), found).at_line(line).into());
     }
     let has_mark = table.layout.is_some_and(|layout| layout.mark.is_some());
     if let Some((flaw, line)) = table.ambiguity.as_ref().and_then(|ambiguity| ambiguity.flaw(table.points, has_mark)) {
         return Err(flaw.at_line(line).into());
     }
     let notes = Notes { further_columns: table.further_columns, far_outside: table.extremes.far_outside(), ..Notes::default() };
-    Ok(Summary { format: Format::Text, points: table.points, facets: 0, unit: table.unit, notes })
+    Ok(ReadSummary { format: Format::Text, points: table.points, facets: 0, unit: table.unit, notes })
 }
 
 #[derive(Debug, Default)]
 struct Table {
     /// The separator that a line `sep=` states.
     stated: Option<Separator>,
-    header: Option<Header>,
+    header: Option<TableHeader>,
     /// The last comment that can be a header.
-    comment: Option<Header>,
+    comment: Option<TableHeader>,
     unit: Option<surface::Unit>,
     /// The count of points that a line before them states, and the number of that line.
     count: Option<(u64, u64)>,
     layout: Option<Layout>,
     ambiguity: Option<Ambiguity>,
     probe: Probe,
-    extremes: Extremes,
+    extremes: CoordinateRange,
     points: u64,
     further_columns: u64,
 }
@@ -126,7 +126,7 @@ impl Table {
     fn comment(&mut self, comment: &[u8]) {
         let content = without_hard_blanks(comment);
         let content = trimmed_start(content.strip_prefix(b"//").unwrap_or_else(|| &content[1..]));
-        if let Ok(Some(header)) = Header::read(content, self.separators()) {
+        if let Ok(Some(header)) = TableHeader::read(content, self.separators()) {
             self.comment = Some(header);
         }
     }
@@ -162,7 +162,7 @@ impl Table {
                     self.further_columns = fields.saturating_sub(3) as u64;
                     return Ok(Some(point));
                 }
-                Err(flaw) if matches!(flaw.kind(), FaultKind::OutOfRange | FaultKind::Ambiguous) => return Err(flaw),
+                Err(flaw) if matches!(flaw.kind(), FileFaultKind::OutOfRange | FileFaultKind::Ambiguous) => return Err(flaw),
                 Err(_) => {}
             }
         }
@@ -171,7 +171,7 @@ impl Table {
                 self.unit = Some(unit);
                 return Ok(None);
             }
-        } else if let Some(header) = Header::read(line, self.separators())? {
+        } else if let Some(header) = TableHeader::read(line, self.separators())? {
             self.header = Some(header);
             return Ok(None);
         } else if self.count.is_none()
@@ -193,13 +193,13 @@ impl Table {
             .count();
         match (&self.header, numbers) {
             (Some(header), _) if numbers >= 3 && fields != header.width => {
-                Flaw::new(FaultKind::Malformed, format!("{} columns, as the header names", header.width), fields.to_string())
+                Flaw::new(FileFaultKind::Malformed, format!("{} columns, as the header names", header.width), fields.to_string())
             }
             (Some(header), _) if header.columns[2].0 > 2 => {
                 Flaw::malformed("numbers in the columns that the header names x, y and z", line)
             }
-            (_, 1) => Flaw::new(FaultKind::Malformed, "three numbers", "one"),
-            (_, 2) => Flaw::new(FaultKind::Malformed, "three numbers", "two"),
+            (_, 1) => Flaw::new(FileFaultKind::Malformed, "three numbers", "one"),
+            (_, 2) => Flaw::new(FileFaultKind::Malformed, "three numbers", "two"),
             (Some(_), _) => Flaw::malformed("three numbers", line),
             (None, _) => Flaw::malformed("three numbers, or a header that names x, y and z", line),
         }
@@ -267,5 +267,5 @@ fn point_between_hard_blanks(layout: &mut Layout, line: &[u8]) -> Option<Result<
 fn refuse_mixed_blanks(line: &[u8]) -> Result<(), Flaw> {
     let is_mixed = trimmed(line).iter().any(|byte| matches!(byte, b' ' | b'\t'));
     let found = "ordinary and no-break spaces; either all separate numbers, or the no-break ones separate thousands";
-    if is_mixed { Err(Flaw::new(FaultKind::Ambiguous, "one kind of space between numbers", found)) } else { Ok(()) }
+    if is_mixed { Err(Flaw::new(FileFaultKind::Ambiguous, "one kind of space between numbers", found)) } else { Ok(()) }
 }

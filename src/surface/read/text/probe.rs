@@ -1,8 +1,8 @@
 //! The lines before a grid of probed heights as bCNC writes them: `xmin xmax nx`, `ymin ymax ny`, `zmin zmax feed`, blank
 //! lines, and then nx times ny points, the first at (xmin, ymin). These three lines look like points.
 
-use super::super::extremes::Extremes;
-use super::super::fault::{Fault, FaultKind, Flaw};
+use super::super::extremes::CoordinateRange;
+use super::super::fault::{FileFault, FileFaultKind, Flaw};
 use crate::surface::Sink;
 
 /// The first points of a table, until it is known whether they are lines before a grid.
@@ -67,7 +67,7 @@ impl Probe {
     }
 
     /// Passes on the points that were held.
-    pub(super) fn flush(&mut self, points: &mut u64, extremes: &mut Extremes, sink: &mut dyn Sink) {
+    pub(super) fn flush(&mut self, points: &mut u64, extremes: &mut CoordinateRange, sink: &mut dyn Sink) {
         if let Self::Open { held, .. } | Self::Points(held) = self {
             for (point, line) in held.drain(..) {
                 *points += 1;
@@ -78,11 +78,11 @@ impl Probe {
     }
 
     /// The fault of a grid with another number of points than promised.
-    pub(super) fn flaw(&self, points: u64) -> Option<Fault> {
+    pub(super) fn flaw(&self, points: u64) -> Option<FileFault> {
         let Self::Grid { points: promised, line } = *self else { return None };
         (points != promised).then(|| {
             let expected = format!("{promised} points of a grid, as the lines before it promise");
-            Flaw::new(FaultKind::Truncated, expected, format!("{points}")).at_line(line)
+            Flaw::new(FileFaultKind::Truncated, expected, format!("{points}")).at_line(line)
         })
     }
 }

@@ -1,13 +1,13 @@
 //! Headers of tables of points: which columns are x, y and z, and in which unit.
 
-use super::super::fault::{FaultKind, Flaw, quoted};
+use super::super::fault::{FileFaultKind, Flaw, quoted};
 use super::super::unit_name::length_unit;
 use super::layout::Separator;
 use crate::surface::Unit;
 
 /// The columns and the unit that a header states.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Header {
+pub(super) struct TableHeader {
     /// Column and axis of the three coordinates, by rising column.
     pub(super) columns: [(usize, usize); 3],
     /// The number of columns.
@@ -17,7 +17,7 @@ pub(super) struct Header {
 
 const AXES: [&[u8]; 3] = [b"x", b"y", b"z"];
 
-impl Header {
+impl TableHeader {
     /// Reads `line` as a header, split by one of `separators`; `None` if it does not name x, y and z.
     ///
     /// # Errors
@@ -42,7 +42,7 @@ impl Header {
             if let [one, other, ..] = columns[..] {
                 let expected = format!("one column that is {}", ["x", "y", "z"][axis]);
                 let found = format!("{} and {}, which both could be", quoted(names[one].text), quoted(names[other].text));
-                return Err(Flaw::new(FaultKind::Ambiguous, expected, found));
+                return Err(Flaw::new(FileFaultKind::Ambiguous, expected, found));
             }
         }
         let mut columns = [0, 1, 2].map(|axis| (candidates[axis][0], axis));
@@ -65,7 +65,7 @@ impl Header {
             if let [Some(x), Some(y), Some(z)] = units {
                 let unit = unit_of([Some(x?), Some(y?), Some(z?)])?;
                 if self.unit.is_some() && unit != self.unit {
-                    return Err(Flaw::new(FaultKind::Ambiguous, "the unit that the header names", quoted(line)));
+                    return Err(Flaw::new(FileFaultKind::Ambiguous, "the unit that the header names", quoted(line)));
                 }
                 return Ok(unit);
             }
@@ -141,5 +141,5 @@ fn unit_of(units: [Option<Unit>; 3]) -> Result<Option<Unit>, Flaw> {
         return Ok(Some(first));
     }
     let found = if is_same { "a unit for only some of them: the others may be in it or in mm" } else { "different ones" };
-    Err(Flaw::new(FaultKind::Ambiguous, "one unit for x, y and z", found))
+    Err(Flaw::new(FileFaultKind::Ambiguous, "one unit for x, y and z", found))
 }

@@ -1,8 +1,8 @@
 //! The facets of a 3MF package: places its build items with their components, recursively.
 
 use super::super::decimal::unbounded;
-use super::super::fault::{Fault, FaultKind, Flaw};
-use super::model::{Model, Object, Reference, Transform, is_bounded};
+use super::super::fault::{FileFault, FileFaultKind, Flaw};
+use super::package_model::{PackageModel, PackageObject, Reference, Transform, is_bounded};
 use super::volumes::Volumes;
 use crate::surface::Sink;
 use std::collections::HashMap;
@@ -19,7 +19,7 @@ const MOST_NAMED: usize = 10;
 
 /// The build of a package.
 pub(super) struct Build<'a> {
-    models: &'a HashMap<String, Model>,
+    models: &'a HashMap<String, PackageModel>,
     most_facets: u64,
     facets: u64,
     placed: u64,
@@ -34,7 +34,7 @@ pub(super) struct Build<'a> {
 impl<'a> Build<'a> {
     /// The build of `models`, by their paths in lower case, with at most four facets for each vertex that a package
     /// may have.
-    pub(super) fn new(models: &'a HashMap<String, Model>, root: &str, settings: &'a Volumes, vertex_limit: usize) -> Self {
+    pub(super) fn new(models: &'a HashMap<String, PackageModel>, root: &str, settings: &'a Volumes, vertex_limit: usize) -> Self {
         let most_facets = (vertex_limit as u64).saturating_mul(4);
         Self { models, most_facets, facets: 0, placed: 0, left_out: 0, root: root.to_lowercase(), settings, volumes: Vec::new() }
     }
@@ -63,21 +63,22 @@ impl<'a> Build<'a> {
     }
 
     /// Places the build items of the model of this path.
-    pub(super) fn place_all(&mut self, path: &str, items: &[Reference], sink: &mut dyn Sink) -> Result<(), Fault> {
+    pub(super) fn place_all(&mut self, path: &str, items: &[Reference], sink: &mut dyn Sink) -> Result<(), FileFault> {
         items.iter().try_for_each(|item| self.place(path, item, &Transform::IDENTITY, 0, sink))
     }
 
-    fn place(&mut self, path: &str, reference: &Reference, outer: &Transform, depth: usize, sink: &mut dyn Sink) -> Result<(), Fault> {
+    fn place(&mut self, path: &str, reference: &Reference, outer: &Transform, depth: usize, sink: &mut dyn Sink) -> Result<(), FileFault> {
         let at = |flaw: Flaw| flaw.in_entry(path, 0);
         self.placed += 1;
         if depth > DEEPEST || self.placed > MOST_PLACED {
             let expected = format!("components nested at most {DEEPEST} deep, and at most {MOST_PLACED} objects placed");
-            return Err(at(Flaw::new(FaultKind::TooLarge, expected, "more")));
+            return Err(at(Flaw::new(FileFaultKind::TooLarge, expected, "more")));
         }
         let path = reference.path.as_deref().unwrap_or(path);
         let models = self.models;
         let object = models.get(&path.to_lowercase()).and_then(|model| model.objects.get(&reference.object));
-        let object = object.ok_or_else(|| at(Flaw::new(FaultKind::OutOfRange, "the number of an object", reference.object.to_string())))?;
+        let object =
+            object.ok_or_else(|| at(Flaw::new(FileFaultKind::OutOfRange, "the number of an object", reference.object.to_string())))?;
         if !object.is_surface {
             self.left_out += 1;
             return Ok(());
@@ -99,7 +100,13 @@ impl<'a> Build<'a> {
     }
 
     /// Places the triangles of an object that are not in one of `excluded` ranges.
-    fn place_mesh(&mut self, object: &Object, excluded: &[[usize; 2]], transform: &Transform, sink: &mut dyn Sink) -> Result<(), Flaw> {
+    fn place_mesh(
+        &mut self,
+        object: &PackageObject,
+        excluded: &[[usize; 2]],
+        transform: &Transform,
+        sink: &mut dyn Sink,
+    ) -> Result<(), Flaw> {
         let mut is_part = vec![true; if excluded.is_empty() { 0 } else { object.triangles.len() }];
         for [first, last] in excluded {
             let end = last.saturating_add(1).min(is_part.len());
@@ -109,7 +116,7 @@ impl<'a> Build<'a> {
         self.facets += (object.triangles.len() - left_out) as u64;
         if self.facets > self.most_facets {
             return Err(Flaw::new(
-                FaultKind::TooLarge,
+                FileFaultKind::TooLarge,
                 format!("at most {} facets after placing all components", self.most_facets),
                 "more",
             ));

@@ -1,7 +1,7 @@
 //! Refuses objects of a 3MF package that contain themselves.
 
-use super::super::fault::{Fault, FaultKind, Flaw};
-use super::model::{Model, Reference};
+use super::super::fault::{FileFault, FileFaultKind, Flaw};
+use super::package_model::{PackageModel, Reference};
 use std::collections::{HashMap, HashSet};
 
 /// An object of a package: the path of its model in lower case, and its number.
@@ -13,7 +13,7 @@ const MOST_NAMED: usize = 8;
 /// Checks the objects that the build items of the model `root` place: none may contain itself.
 ///
 /// The depth-first search does not use recursion, because a cycle can pass through all objects of a package.
-pub(super) fn refuse_cycles(models: &HashMap<String, Model>, root: &str, items: &[Reference]) -> Result<(), Fault> {
+pub(super) fn refuse_cycles(models: &HashMap<String, PackageModel>, root: &str, items: &[Reference]) -> Result<(), FileFault> {
     let mut done = HashSet::new();
     for item in items {
         // The objects from the item down to the current one, each with the number of its components that were followed.
@@ -49,7 +49,7 @@ fn key(reference: &Reference, path: &str) -> Key {
 
 /// The fault of the cycle that the last object of `chain` closes with its component `first`. It is located in the root
 /// model, which places the objects.
-fn cycle(chain: &[(Key, usize)], first: &Key, root: &str) -> Fault {
+fn cycle(chain: &[(Key, usize)], first: &Key, root: &str) -> FileFault {
     let start = chain.iter().position(|(key, _)| key == first).unwrap_or(0);
     let mut numbers: Vec<String> = chain[start..].iter().take(MOST_NAMED).map(|((_, number), _)| number.to_string()).collect();
     if chain.len() - start > MOST_NAMED {
@@ -57,5 +57,5 @@ fn cycle(chain: &[(Key, usize)], first: &Key, root: &str) -> Fault {
     }
     numbers.push(first.1.to_string());
     let found = format!("a cycle of objects: {}", numbers.join(" > "));
-    Flaw::new(FaultKind::Malformed, "objects that do not contain themselves", found).in_entry(root, 0)
+    Flaw::new(FileFaultKind::Malformed, "objects that do not contain themselves", found).in_entry(root, 0)
 }

@@ -16,18 +16,18 @@
 
 mod build;
 mod cycle;
-mod model;
+mod package_model;
 mod volumes;
 mod xml;
 mod zipped;
 
-use super::fault::{FaultKind, Flaw, ReadError};
+use super::fault::{FileFaultKind, Flaw, ReadError};
 use super::input::Input;
-use super::{Format, Notes, Reader, Sink, Summary};
+use super::{Format, Notes, ReadSummary, Reader, Sink};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
 use build::Build;
 use cycle::refuse_cycles;
-use model::{Model, Room};
+use package_model::{PackageModel, Room};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -42,10 +42,10 @@ pub const DEFAULT_ARCHIVE_LIMIT: usize = 256 << 20;
 const LIMITS: ArchiveLimits = ArchiveLimits { entries: 10_000, inflated_bytes: 2 << 30 };
 
 /// Reads a 3MF file, or the only file of another ZIP archive, within the limits of `reader`.
-pub(super) fn read(input: &mut Input, reader: Reader, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
+pub(super) fn read(input: &mut Input, reader: Reader, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
     let (limit, vertex_limit) = (reader.archive_limit, reader.package_vertex_limit);
     let Some(bytes) = input.rest_within(limit)? else {
-        let flaw = Flaw::new(FaultKind::TooLarge, format!("a 3MF file of at most {limit} bytes"), "a larger one");
+        let flaw = Flaw::new(FileFaultKind::TooLarge, format!("a 3MF file of at most {limit} bytes"), "a larger one");
         return Err(flaw.at_byte(limit as u64).into());
     };
     let archive = Archive::open(&bytes, LIMITS).map_err(|fault| package_flaw(&fault).at_byte(0))?;
@@ -53,7 +53,7 @@ pub(super) fn read(input: &mut Input, reader: Reader, sink: &mut dyn Sink) -> Re
     let Some(root) = root_model(&mut package)? else { return zipped::read(&mut package, reader, sink) };
     let volumes = Volumes::read(&mut package)?;
     let mut room = Room::for_vertices(vertex_limit);
-    let model = Model::read(&mut package, &root, &mut room)?;
+    let model = PackageModel::read(&mut package, &root, &mut room)?;
     let unit = model.unit;
     let items = model.items.clone();
     let mut models = HashMap::from([(root.to_lowercase(), model)]);
@@ -64,9 +64,9 @@ pub(super) fn read(input: &mut Input, reader: Reader, sink: &mut dyn Sink) -> Re
         if models.contains_key(&path.to_lowercase()) {
             continue;
         }
-        let part = Model::read(&mut package, &path, &mut room)?;
+        let part = PackageModel::read(&mut package, &path, &mut room)?;
         if part.unit != unit {
-            return Err(Flaw::new(FaultKind::Malformed, "one unit in all models of the package", "another").in_entry(&path, 0).into());
+            return Err(Flaw::new(FileFaultKind::Malformed, "one unit in all models of the package", "another").in_entry(&path, 0).into());
         }
         wanted.extend(models_named_by(&part));
         models.insert(path.to_lowercase(), part);
@@ -75,11 +75,11 @@ pub(super) fn read(input: &mut Input, reader: Reader, sink: &mut dyn Sink) -> Re
     let mut build = Build::new(&models, &root, &volumes, vertex_limit);
     build.place_all(&root, &items, sink)?;
     if build.facets() == 0 {
-        return Err(Flaw::new(FaultKind::Empty, "a build item with a mesh", "none").in_entry(&root, 0).into());
+        return Err(Flaw::new(FileFaultKind::Empty, "a build item with a mesh", "none").in_entry(&root, 0).into());
     }
     let facets = build.facets();
     let notes = Notes { other_elements: build.left_out(), volumes: build.into_volumes(), ..Notes::default() };
-    Ok(Summary { format: Format::ThreeMf, points: 0, facets, unit: Some(unit), notes })
+    Ok(ReadSummary { format: Format::ThreeMf, points: 0, facets, unit: Some(unit), notes })
 }
 
 /// The files of a package, and the input that they came from, which ends reading when nobody waits for the result.
@@ -96,7 +96,7 @@ impl Package<'_, '_> {
     }
 }
 
-fn models_named_by(model: &Model) -> Vec<Arc<str>> {
+fn models_named_by(model: &PackageModel) -> Vec<Arc<str>> {
     model.references().filter_map(|reference| reference.path.clone()).collect()
 }
 
@@ -123,9 +123,9 @@ fn root_model(package: &mut Package) -> Result<Option<Arc<str>>, ReadError> {
 
 fn package_flaw(fault: &ArchiveFault) -> Flaw {
     let kind = match fault {
-        _ if fault.is_limit() => FaultKind::TooLarge,
-        ArchiveFault::Damaged(_) => FaultKind::Malformed,
-        _ => FaultKind::UnknownFormat,
+        _ if fault.is_limit() => FileFaultKind::TooLarge,
+        ArchiveFault::Damaged(_) => FileFaultKind::Malformed,
+        _ => FileFaultKind::UnknownFormat,
     };
     Flaw::new(kind, "a 3MF package within its limits", fault.to_string())
 }

@@ -1,9 +1,9 @@
 //! The volumes of a part that the settings of a slicer exclude from it: PrusaSlicer names ranges of triangles of an
 //! object, Bambu Studio and OrcaSlicer name components.
 
-use super::super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::Package;
-use super::xml::{self, Element, Event};
+use super::xml::{self, Event, XmlElement};
 use std::collections::HashMap;
 
 /// The settings files: PrusaSlicer's, and those of Bambu Studio and OrcaSlicer.
@@ -57,7 +57,7 @@ impl Volumes {
                         (3, "volume" | "part") => {
                             count += 1;
                             if count > MOST {
-                                return Err(Flaw::new(FaultKind::TooLarge, format!("at most {MOST} volumes"), "more"));
+                                return Err(Flaw::new(FileFaultKind::TooLarge, format!("at most {MOST} volumes"), "more"));
                             }
                             volume = Some(Volume::of(&element));
                         }
@@ -101,7 +101,7 @@ impl Volumes {
 }
 
 impl Volume {
-    fn of(element: &Element) -> Self {
+    fn of(element: &XmlElement) -> Self {
         let range =
             [whole(element, "firstid"), whole(element, "lastid")].map(|number| number.and_then(|number| usize::try_from(number).ok()));
         Self {
@@ -112,7 +112,7 @@ impl Volume {
         }
     }
 
-    fn metadata(&mut self, element: &Element) {
+    fn metadata(&mut self, element: &XmlElement) {
         let value = || element.attribute("value").unwrap_or_default();
         match element.attribute("key").as_deref() {
             Some("name") => self.name = value(),
@@ -133,10 +133,10 @@ impl Volume {
         }
         let found =
             format!("the negative volume {}, which the slicer subtracts; export the finished part as STL", quoted(self.name.as_bytes()));
-        Err(Flaw::new(FaultKind::Malformed, "a part without negative volumes", found))
+        Err(Flaw::new(FileFaultKind::Malformed, "a part without negative volumes", found))
     }
 }
 
-fn whole(element: &Element, attribute: &str) -> Option<u32> {
+fn whole(element: &XmlElement, attribute: &str) -> Option<u32> {
     element.attribute(attribute)?.trim().parse().ok()
 }

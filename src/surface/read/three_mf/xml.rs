@@ -1,6 +1,6 @@
 //! Elements of an XML file in an archive, read as a stream in bounded memory.
 
-use super::super::fault::{FaultKind, Flaw, ReadError, quoted};
+use super::super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::{Package, package_flaw};
 use crate::archive::ArchiveLimits;
 use quick_xml::Reader;
@@ -17,19 +17,19 @@ const DEEPEST: usize = 64;
 /// The start or end of an element.
 pub(super) enum Event<'a> {
     /// A start tag. For an empty element, an end follows too.
-    Start(Element<'a>),
+    Start(XmlElement<'a>),
     End,
 }
 
 /// An element with its attributes.
-pub(super) struct Element<'a>(BytesStart<'a>);
+pub(super) struct XmlElement<'a>(BytesStart<'a>);
 
 /// The number of elements between two checks whether reading may go on.
 const ELEMENTS_AT_ONCE: usize = 1 << 14;
 
 /// Passes the elements of a file to `each`.
 pub(super) fn read(package: &mut Package, path: &str, mut each: impl FnMut(Event<'_>) -> Result<(), Flaw>) -> Result<(), ReadError> {
-    let missing = || Flaw::new(FaultKind::Malformed, "this file in the package", "nothing").in_entry(path, 0);
+    let missing = || Flaw::new(FileFaultKind::Malformed, "this file in the package", "nothing").in_entry(path, 0);
     let entry = package.file(path).ok_or_else(missing)?.to_owned();
     let Package { archive, input } = package;
     let limits = archive.limits();
@@ -46,19 +46,19 @@ pub(super) fn read(package: &mut Package, path: &str, mut each: impl FnMut(Event
         let position = reader.buffer_position();
         let result = match reader.read_event_into(&mut buffer) {
             Ok(Parsed::Start(_)) if depth == DEEPEST => {
-                Err(Flaw::new(FaultKind::TooLarge, format!("at most {DEEPEST} nested elements"), "more"))
+                Err(Flaw::new(FileFaultKind::TooLarge, format!("at most {DEEPEST} nested elements"), "more"))
             }
             Ok(Parsed::Start(element)) => {
                 depth += 1;
-                each(Event::Start(Element(element)))
+                each(Event::Start(XmlElement(element)))
             }
             Ok(Parsed::End(_)) => {
                 depth -= 1;
                 each(Event::End)
             }
-            Ok(Parsed::Eof) if depth > 0 => Err(Flaw::new(FaultKind::Truncated, "the end of every element", "the end of the file")),
+            Ok(Parsed::Eof) if depth > 0 => Err(Flaw::new(FileFaultKind::Truncated, "the end of every element", "the end of the file")),
             Ok(Parsed::Eof) => break,
-            Ok(Parsed::DocType(_)) => Err(Flaw::new(FaultKind::Malformed, "no document type definition", "one")),
+            Ok(Parsed::DocType(_)) => Err(Flaw::new(FileFaultKind::Malformed, "no document type definition", "one")),
             Ok(_) => Ok(()),
             Err(error) => Err(flaw(limits, &error)),
         };
@@ -70,14 +70,14 @@ pub(super) fn read(package: &mut Package, path: &str, mut each: impl FnMut(Event
 fn flaw(limits: ArchiveLimits, error: &quick_xml::Error) -> Flaw {
     match error {
         quick_xml::Error::Io(error) if error.kind() == io::ErrorKind::QuotaExceeded => {
-            Flaw::new(FaultKind::TooLarge, format!("at most {LONGEST_EVENT} bytes in a tag or text"), "more")
+            Flaw::new(FileFaultKind::TooLarge, format!("at most {LONGEST_EVENT} bytes in a tag or text"), "more")
         }
         quick_xml::Error::Io(error) => package_flaw(&limits.fault(error)),
-        error => Flaw::new(FaultKind::Malformed, "well-formed XML", quoted(error.to_string().as_bytes())),
+        error => Flaw::new(FileFaultKind::Malformed, "well-formed XML", quoted(error.to_string().as_bytes())),
     }
 }
 
-impl Element<'_> {
+impl XmlElement<'_> {
     /// The name without a prefix.
     pub(super) fn name(&self) -> &str {
         local(self.0.name().into_inner())

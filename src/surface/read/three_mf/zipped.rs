@@ -1,8 +1,8 @@
 //! A surface file that is the only file of a ZIP archive.
 
-use super::super::fault::{FaultKind, Flaw, ReadError};
+use super::super::fault::{FileFaultKind, Flaw, ReadError};
 use super::super::format::EXPECTED;
-use super::super::{FormatHint, Reader, Sink, Summary};
+use super::super::{FormatHint, ReadSummary, Reader, Sink};
 use super::{Package, package_flaw};
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits, Inflating};
 use crate::surface::read::input::Input;
@@ -12,8 +12,8 @@ use std::io::{self, BufRead, BufReader, Read};
 ///
 /// # Errors
 /// The archive has several files, or the file another archive or a fault.
-pub(super) fn read(package: &mut Package, reader: Reader, sink: &mut dyn Sink) -> Result<Summary, ReadError> {
-    let refused = |found: String| ReadError::from(Flaw::new(FaultKind::UnknownFormat, EXPECTED, found).at_byte(0));
+pub(super) fn read(package: &mut Package, reader: Reader, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
+    let refused = |found: String| ReadError::from(Flaw::new(FileFaultKind::UnknownFormat, EXPECTED, found).at_byte(0));
     let Package { archive, input } = package;
     let named = [
         ("xl/workbook.xml", "an Excel workbook; save the points as CSV"),

@@ -62,6 +62,15 @@ async fn height(client: &Client) -> Result<(), Box<dyn StdError>> {
         types::Contact::VectorContact(types::VectorContact { normal: [-0.64, 0.0, 0.77], feed: [1.0, 0.0, 0.84], tool_axis: None });
     let request = types::ScallopHeightRequest { contact: vector, ..request };
     client.scallop_height(&request).await?;
+    let tapered = types::Cutter::TaperedBallCutter(types::TaperedBallCutter {
+        type_: types::TaperedBallCutterType::TaperedBall,
+        diameter_mm: 2.0,
+        taper_deg: 5.0,
+        shank_diameter_mm: 6.0,
+        teeth: None,
+    });
+    let request = types::ScallopHeightRequest { cutter: tapered, step_over_mm: Some(0.1), ..request };
+    client.scallop_height(&request).await?;
     Ok(())
 }
 
@@ -69,7 +78,8 @@ async fn problem(client: &Client) -> Result<(), Box<dyn StdError>> {
     let request = types::MaxFeedRequest {
         cutter: toroidal(),
         contact: contact(),
-        scallop_tolerance_mm: 0.013,
+        scallop_tolerance_mm: Some(0.013),
+        roughness: None,
         step_over_mm: Some(0.987),
         max_feed_per_tooth_mm: None,
         max_feed_rate_mm_min: None,

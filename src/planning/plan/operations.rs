@@ -1,0 +1,255 @@
+//! Plans of several operations: the arrangements with the shortest estimates planned, milled together, and compared with the
+//! best plan of one operation.
+
+use super::arrangement::{Arrangement, Arranger, Planned, Tool};
+use super::candidate::CandidateCutter;
+use super::candidate_plan::{CandidatePlan, KEPT, MilledFigures, PlannedPath};
+use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
+use super::estimate::least_seconds;
+use super::family::Family;
+use super::judged::{FinishFigures, Judged, judged};
+use super::milled_plan::{NoPlan, Planner};
+use super::prepared::{Prepared, rows_of};
+use super::region::Region;
+use super::rest::drawn_until;
+use super::settings::{Pattern, PlanSettings};
+use super::stations::{Station, stations};
+use super::workpiece::Workpiece;
+use crate::path::Milled;
+use crate::quantity::{Angle, Time};
+use std::cell::{Cell, OnceCell};
+
+/// The arrangements that are planned at most.
+const MOST_PLANNED: usize = 3;
+
+/// An arrangement whose estimate is over this factor of the shortest is not planned.
+const PLANNED_WITHIN: f64 = 1.25;
+
+/// The cutters among which operations choose, at most.
+const MOST_TOOLS: usize = 12;
+
+/// The lines of an operation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lines {
+    /// Vertical planes in a direction seen from above, counted from X, cut to and fro.
+    Zigzag(Angle),
+    /// Such planes, all cut in the direction.
+    OneWay(Angle),
+    /// Level curves.
+    Waterline,
+}
+
+/// A plan of several operations.
+#[derive(Debug, Clone)]
+pub struct OperationsPlan {
+    /// The operations in their order.
+    pub operations: Vec<OperationPlan>,
+    /// The number of tool changes between them.
+    pub tool_changes: usize,
+    /// The time of all runs, links and tool changes.
+    pub time: Time,
+    /// What all together leave.
+    pub finish: FinishFigures,
+}
+
+/// One operation.
+#[derive(Debug, Clone)]
+pub struct OperationPlan {
+    /// The position of the cutter among the candidates.
+    pub candidate: usize,
+    /// Its lines.
+    pub lines: Lines,
+    /// The slopes of the facets that it machines, without the overlap at the border.
+    pub slopes: [Angle; 2],
+    /// The operations before it whose leftovers it machines; `None` if it machines all facets of its slopes.
+    pub after: Option<usize>,
+    /// The share of the area that it machines.
+    pub area_share: f64,
+    /// Its figures, over that area.
+    pub figures: MilledFigures,
+    pub(super) path: PlannedPath,
+}
+
+impl OperationsPlan {
+    /// The number of points of its path.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.operations.iter().map(|operation| operation.path.plan.tour.points.len()).sum()
+    }
+}
+
+/// The fastest plan of at least two and at most `settings.most_operations` operations that keeps the scallop height and is
+/// faster than `single`; `None` if there is none. Once `stop` returns true, the result must be discarded.
+pub(super) fn operations(
+    workpiece: &Workpiece,
+    candidates: &[CandidateCutter],
+    settings: &PlanSettings,
+    single: Option<&CandidatePlan>,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<OperationsPlan> {
+    if settings.most_operations < 2 {
+        return None;
+    }
+    let tools = tools(workpiece, candidates, settings, single, stop);
+    let arranger = Arranger { workpiece, settings, tools: &tools, most: settings.most_operations };
+    let arrangements = arranger.arrangements();
+    let shortest = arrangements.first()?.seconds;
+    let unseen = drawn(workpiece, JUDGED_ON, Set::Last.seed());
+    let area = unseen.iter().map(|place| place.area).sum();
+    let keeps = single.and_then(|single| Some(single.milled?.finish.far_over_share <= KEPT));
+    let mut limit = single.filter(|_| keeps == Some(true)).map_or(f64::INFINITY, |single| single.time.seconds());
+    let samples = Cell::new(0);
+    let mut best = None;
+    for arrangement in arrangements.iter().take_while(|each| each.seconds <= PLANNED_WITHIN * shortest).take(MOST_PLANNED) {
+        let arranged = Arranged { workpiece, settings, tools: &tools, area, samples: &samples, stop };
+        let Ok(plan) = arranged.plan(arrangement, &unseen, limit) else { continue };
+        let is_kept = plan.finish.far_over_share <= KEPT && plan.finish.uncut_share <= settings.max_uncut_share;
+        if is_kept && plan.time.seconds() < limit {
+            limit = plan.time.seconds();
+            best = Some(plan);
+        }
+    }
+    best
+}
+
+/// The cutters that operations choose from: the single plan's, and of the others those of the most different sizes.
+fn tools(
+    workpiece: &Workpiece,
+    candidates: &[CandidateCutter],
+    settings: &PlanSettings,
+    single: Option<&CandidatePlan>,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Vec<Tool> {
+    let rows = rows_of(workpiece);
+    let few = drawn(workpiece, ESTIMATED_ON, 0);
+    let height = settings.scallop_height.mm();
+    let mut order: Vec<usize> = (0..candidates.len()).collect();
+    order.sort_by(|a, b| candidates[*b].cutter.outer_radius().mm().total_cmp(&candidates[*a].cutter.outer_radius().mm()));
+    // Evenly over the sizes where there are many.
+    let step = order.len().div_ceil(MOST_TOOLS).max(1);
+    let mut chosen: Vec<usize> = order.iter().copied().step_by(step).collect();
+    if let Some(single) = single.map(|single| single.candidate).filter(|single| !chosen.contains(single)) {
+        chosen.push(single);
+    }
+    let tool = |index: usize| {
+        let prepared = Prepared::new(index, &candidates[index], settings, &rows, stop);
+        let stations = stations(workpiece, &prepared.profile, &few, height, stop);
+        Tool { prepared, stations }
+    };
+    let tools: Vec<Tool> = chosen.into_iter().map(tool).collect();
+    if stop() { Vec::new() } else { tools }
+}
+
+/// What an arrangement is planned from.
+struct Arranged<'a> {
+    workpiece: &'a Workpiece,
+    settings: &'a PlanSettings,
+    tools: &'a [Tool],
+    /// The area in mm^2 that is seen from above.
+    area: f64,
+    samples: &'a Cell<usize>,
+    stop: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Arranged<'_> {
+    /// The operations planned and milled together, unless they take longer than `limit` s.
+    fn plan(&self, arrangement: &Arrangement, unseen: &[DrawnPlace], limit: f64) -> Result<OperationsPlan, NoPlan> {
+        let Self { workpiece, settings, tools, stop, .. } = *self;
+        let mut operations: Vec<OperationPlan> = Vec::new();
+        let mut seconds = 0.0;
+        for (index, planned) in arrangement.operations.iter().enumerate() {
+            operations.push(self.operation(planned, &arrangement.operations[..index])?);
+            let is_change = index > 0 && arrangement.operations[index - 1].tool != planned.tool;
+            seconds += operations[index].figures.tour.seconds + if is_change { settings.machine.change_time().seconds() } else { 0.0 };
+            if seconds >= limit {
+                return Err(NoPlan::NoLines);
+            }
+        }
+        let tool_changes = arrangement.operations.windows(2).filter(|pair| pair[0].tool != pair[1].tool).count();
+        let mut all: Option<(Vec<Station>, Vec<Judged>)> = None;
+        for (operation, planned) in operations.iter().zip(&arrangement.operations) {
+            let prepared = &tools[planned.tool].prepared;
+            let height = settings.scallop_height.mm();
+            let on = stations(workpiece, &prepared.profile, unseen, height, stop);
+            let milled = Milled::new(&prepared.profile, &operation.path.plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
+            let judged = judged(workpiece, &on, prepared, &operation.path.plan.family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
+            all = Some(match all {
+                None => (on, judged),
+                Some((before, judged_before)) => {
+                    let nearer = before.iter().zip(on).map(|(a, b)| if b.lift < a.lift { b } else { *a }).collect();
+                    (nearer, judged_before.iter().zip(&judged).map(|(a, b)| a.together(b)).collect())
+                }
+            });
+        }
+        let (on, judged) = all.ok_or(NoPlan::NoRuns)?;
+        let finish = FinishFigures::of(&on, &judged, settings.scallop_height.mm());
+        Ok(OperationsPlan { operations, tool_changes, time: Time::computed(seconds), finish })
+    }
+
+    fn operation(&self, planned: &Planned, before: &[Planned]) -> Result<OperationPlan, NoPlan> {
+        let Self { workpiece, settings, tools, samples, stop, .. } = *self;
+        let Tool { prepared, .. } = &tools[planned.tool];
+        let height = settings.scallop_height.mm();
+        let left = |places: Vec<DrawnPlace>| if planned.is_rest { self.left_by(before, places) } else { places };
+        let of_set = |set: Set| {
+            let places = drawn_until(workpiece, JUDGED_ON, set.seed(), &|target| workpiece.is_sloped(target, planned.slopes), &left);
+            stations(workpiece, &prepared.profile, &places, height, stop)
+        };
+        let on = of_set(Set::Spaced);
+        let region = if planned.is_rest {
+            Region::of_rest(&on, &prepared.profile, height)
+        } else {
+            Region::of_targets(workpiece, |target| workpiece.is_sloped(target, overlapping(workpiece, prepared, planned.slopes, target)))
+        };
+        let planner = Planner {
+            workpiece,
+            prepared,
+            settings,
+            region: &region,
+            stations: &on,
+            further: &of_set,
+            feet: OnceCell::new(),
+            samples,
+            stop,
+        };
+        let plan = planner.finished(planner.draft(planned.family)?)?;
+        let area: f64 = on.iter().map(|station| station.place.area).sum();
+        let figures = MilledFigures::of(workpiece, settings, prepared, &plan, least_seconds(workpiece, &on, prepared, height));
+        Ok(OperationPlan {
+            candidate: prepared.index,
+            lines: lines_of(&planned.family, settings.pattern),
+            slopes: planned.slopes.map(|slope| Angle::from_radians(slope.min(settings.max_slope.radians()))),
+            after: planned.is_rest.then(|| before.len().saturating_sub(1)),
+            area_share: (area / self.area).min(1.0),
+            figures,
+            path: PlannedPath { plan, prepared: prepared.clone() },
+        })
+    }
+
+    /// The places that no cutter of these operations reaches among those that it machines.
+    fn left_by(&self, operations: &[Planned], places: Vec<DrawnPlace>) -> Vec<DrawnPlace> {
+        let Self { workpiece, settings, tools, stop, .. } = *self;
+        let height = settings.scallop_height.mm();
+        operations.iter().fold(places, |left, operation| {
+            let on = stations(workpiece, &tools[operation.tool].prepared.profile, &left, height, stop);
+            let is_left = |station: &&Station| station.lift > height || !workpiece.is_sloped(station.place.target, operation.slopes);
+            on.iter().filter(is_left).map(|station| station.place).collect()
+        })
+    }
+}
+
+/// The slopes of a part, wider by what a curved facet turns over one step-over, so that neighbouring parts overlap.
+fn overlapping(workpiece: &Workpiece, prepared: &Prepared, [from, to]: [f64; 2], target: usize) -> [f64; 2] {
+    let tangent = &workpiece.tangents[target];
+    let step_over = (prepared.spacing.squared(tangent, 1.0, 0.0)).sqrt();
+    let turn = (tangent.curvature[0].abs() * step_over).min(0.2);
+    [from - turn, to + turn]
+}
+
+fn lines_of(family: &Family, pattern: Pattern) -> Lines {
+    match (family, pattern) {
+        (Family::Levels, _) => Lines::Waterline,
+        (Family::Planes(heading), Pattern::Zigzag) => Lines::Zigzag(heading.angle()),
+        (Family::Planes(heading), Pattern::OneWay) => Lines::OneWay(heading.angle()),
+    }
+}

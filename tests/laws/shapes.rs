@@ -1,0 +1,130 @@
+//! Laws for cutters of every shape on planes and curved surfaces.
+
+use crate::laws::passes::mm;
+use proptest::prelude::*;
+use scallopd::milling::{Contact, Cutter, Envelope, EvaluatedPass, Model, Pass, ProfileArc, Runout, SurfaceCurvature};
+use scallopd::quantity::Angle;
+use std::f64::consts::FRAC_PI_2;
+
+fn degrees(value: f64) -> Angle {
+    Angle::from_degrees(value).unwrap()
+}
+
+/// Tapered balls, lenses, ovals, conical barrels, and cones with a flat or a point as their tip.
+fn shapes() -> impl Strategy<Value = Cutter> {
+    let cone = |(tip, taper, up): (f64, f64, f64)| {
+        let side = FRAC_PI_2 - taper.to_radians();
+        let corner = |offset: f64, height: f64, from: f64, to: f64| ProfileArc {
+            radius: 0.0,
+            centre_offset: offset,
+            centre_height: height,
+            from,
+            to,
+        };
+        Cutter::from_arcs(&[corner(tip, 0.0, 0.0, side), corner(tip + up, up * side.tan(), side, FRAC_PI_2)]).unwrap()
+    };
+    prop_oneof![
+        (0.5..10.0_f64, 1.0..30.0_f64, 1.0..3.0_f64).prop_map(|(ball, taper, wider)| Cutter::tapered_ball(
+            mm(ball),
+            degrees(taper),
+            mm(wider * ball)
+        )
+        .unwrap()),
+        (4.0..20.0_f64, 1.0..6.0_f64, 0.02..0.4_f64).prop_map(|(diameter, flatter, corner)| Cutter::lens(
+            mm(diameter),
+            mm(flatter * diameter / 2.0),
+            mm(corner * diameter / 2.0)
+        )
+        .unwrap()),
+        (4.0..20.0_f64, 0.1..0.9_f64, 1.0..30.0_f64).prop_map(|(diameter, tip, side)| Cutter::oval(
+            mm(diameter),
+            mm(tip * diameter / 2.0),
+            mm(side * diameter / 2.0)
+        )
+        .unwrap()),
+        (4.0..20.0_f64, 0.1..0.9_f64, 2.0..30.0_f64, 1.0..40.0_f64).prop_map(|(diameter, tip, side, taper)| {
+            Cutter::conical_barrel(mm(diameter), mm(tip * diameter / 2.0), mm(side * diameter / 2.0), degrees(taper)).unwrap()
+        }),
+        (prop_oneof![Just(0.0), 0.5..3.0_f64], 5.0..60.0_f64, 0.5..3.0_f64).prop_map(cone),
+    ]
+}
+
+proptest! {
+    /// On planes the distance from the body is convex, which makes the search sure for any convex body.
+    #[test]
+    fn heights_of_every_shape_grow_with_step_over_and_feed_and_have_inverses(
+        cutter in shapes(), slope in 0.1..89.0_f64, alpha in -90.0..90.0_f64, share in 0.005..0.5_f64, marks in 0.005..0.2_f64,
+        more in 1.0001..1.3_f64,
+    ) {
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
+        let is_cut = slope.to_radians() <= cutter.profile().steepest_cut();
+        let Ok(envelope) = EvaluatedPass::new(Model::Envelope, pass) else {
+            prop_assert!(!is_cut);
+            return Ok(());
+        };
+        let (s, f) = (share * cutter.outer_radius().mm(), marks * cutter.outer_radius().mm());
+        let height = |s: f64, f: f64| envelope.scallop_height(mm(s), Some(mm(f))).map(|height| height.total().mm());
+        if let (Ok(h), Ok(wider), Ok(faster)) = (height(s, f), height(s * more, f), height(s, f * more)) {
+            let least = h * (1.0 - 1e-9) - 1e-13;
+            prop_assert!(wider >= least && faster >= least, "{h} {wider} {faster}");
+            let alone = envelope.step_over_height(mm(s)).unwrap().mm();
+            prop_assert!(alone <= h * (1.0 + 1e-9) + 1e-13);
+            if h > 1e-6 && alone > 0.01 * h {
+                let back = envelope.max_step_over(mm(h), Some(mm(f))).unwrap().mm();
+                prop_assert!(back >= s * (1.0 - 1e-9), "{back} for {s}");
+                let again = height(back, f).unwrap();
+                approx::assert_relative_eq!(again, h, max_relative = 1e-9);
+            }
+        }
+    }
+
+    /// On nearly level convex surfaces heights were 0 where the surface's normal turned by a part of the slope within a step-over.
+    #[test]
+    fn heights_on_nearly_level_convex_surfaces_are_at_least_those_to_second_order_and_grow(
+        outer in 1.0..10.0_f64, ratio in 0.05..0.95_f64, slope in (-1.5..0.3_f64).prop_map(|log| 10_f64.powf(log)), alpha in -90.0..90.0_f64,
+        (bend, flatter, angle) in ((-4.0..-0.5_f64).prop_map(|log| 10_f64.powf(log)), 0.0..1.0_f64, 0.0..180.0_f64), share in 0.01..0.5_f64,
+        more in 1.0001..1.3_f64,
+    ) {
+        let cutter = Cutter::toroidal(mm(2.0 * outer), mm(ratio * outer)).unwrap();
+        let surface = SurfaceCurvature::from_principal_per_mm([bend / outer, flatter * bend / outer], degrees(angle)).unwrap();
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        let envelope = Envelope::new(Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).unwrap();
+        let s = share * outer;
+        let height = |envelope: &Envelope, s: f64| envelope.scallop_height(mm(s), None);
+        if let (Ok(h), Ok(wider), Ok(second_order)) = (height(&envelope, s), height(&envelope, s * more), height(&envelope.without_turns(), s)) {
+            prop_assert!(h.total().mm() >= 0.9 * second_order.total().mm());
+            // Where the normal turns through level between the marks, heights are not bounds.
+            if h.largest_turn() < 0.5 && wider.largest_turn() < 0.5 {
+                prop_assert!(wider.total().mm() >= h.total().mm() * (1.0 - 1e-9), "{h:?} {wider:?}");
+            }
+        }
+    }
+
+}
+
+proptest! {
+    // A refusal's smallest radius takes a hundred times as long as a height.
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn no_shape_leads_to_a_number_that_is_not_finite(
+        cutter in shapes(), slope in prop_oneof![Just(0.0), Just(90.0), 0.0..90.0_f64], alpha in -90.0..90.0_f64,
+        (along, across, twist) in (-0.1..0.1_f64, -0.1..0.1_f64, -0.1..0.1_f64), share in 0.001..1.0_f64, marks in 0.001..0.5_f64,
+        is_analytic in prop::bool::ANY,
+    ) {
+        let surface = SurfaceCurvature::from_components_per_mm(along, across, twist).unwrap();
+        let contact = Contact::from_degrees(slope, alpha).unwrap();
+        let pass = Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None };
+        let model = if is_analytic { Model::Analytic } else { Model::Envelope };
+        let Ok(evaluated) = EvaluatedPass::new(model, pass) else { return Ok(()) };
+        let (s, f) = (mm(share * cutter.outer_radius().mm()), mm(marks * cutter.outer_radius().mm()));
+        if let Ok(height) = evaluated.scallop_height(s, Some(f)) {
+            prop_assert!(height.total().mm().is_finite() && height.total().mm() >= 0.0 && height.largest_turn() >= 0.0);
+        }
+        if let Ok(largest) = evaluated.max_step_over(mm(0.01), Some(mm(0.05))) {
+            prop_assert!(largest.mm().is_finite() && largest.mm() > 0.0);
+        }
+        prop_assert!(evaluated.relative_curvature() > 0.0);
+    }
+}

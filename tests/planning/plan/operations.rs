@@ -1,0 +1,102 @@
+//! Plans of several operations and of a rest, milled by the independent simulator.
+
+use super::parts::{cone_on_floor, field, fillet_wall, steps};
+use super::referee::{Path, milled};
+use super::surfaces::{Facet, placed};
+use super::{mm, ranked_on, settings, workpiece};
+use scallopd::milling::{Cutter, Model};
+use scallopd::planning::plan::{CandidateCutter, Lines, OperationsPlan, PlanSettings, Ranking, passes, passes_of_all};
+
+fn pocket() -> Vec<Facet> {
+    steps(&[0.0, 6.0, 26.0, 32.0], &[0.0, 6.0, 20.0, 26.0], &[&[5.0; 3], &[5.0, 0.0, 5.0], &[5.0; 3]])
+}
+
+fn several(most_operations: usize, max_uncut_share: f64) -> PlanSettings {
+    PlanSettings { most_operations, max_uncut_share, ..settings(Model::Envelope) }
+}
+
+/// The plan of several operations, which must keep what it states, and the time of the best one alone.
+fn planned(facets: &[Facet], cutters: &[Cutter], settings: &PlanSettings) -> (OperationsPlan, Ranking) {
+    let part = workpiece(facets);
+    let candidates: Vec<_> = cutters.iter().map(|cutter| CandidateCutter::new(*cutter)).collect();
+    let ranking = ranked_on(&part, &candidates, settings);
+    let plan = ranking.operations.clone().unwrap();
+    let path = passes_of_all(&part, &plan, settings, &|| false);
+    assert_eq!(path.points.len(), plan.points());
+    assert_eq!(path.run_starts.len(), path.operations.len());
+    let ends = path.operation_starts.iter().skip(1).copied().chain([path.points.len()]);
+    let paths: Vec<_> = path
+        .operation_starts
+        .iter()
+        .zip(ends)
+        .zip(&plan.operations)
+        .map(|((from, to), operation)| Path { cutter: cutters[operation.candidate], points: &path.points[*from..to] })
+        .collect();
+    let verdict = milled(facets, &paths, &plan.finish);
+    println!("{verdict}, {:.1} s in {} operations", plan.time.seconds(), plan.operations.len());
+    assert!(verdict.is_kept(), "{verdict}");
+    // The times of the operations and of the tool changes are the plan's.
+    let operations: f64 = plan.operations.iter().map(|operation| operation.figures.tour.seconds).sum();
+    #[expect(clippy::cast_precision_loss, reason = "one or two")]
+    let changes = plan.tool_changes as f64 * settings.machine.change_time().seconds();
+    assert!((plan.time.seconds() - operations - changes).abs() < 1e-9);
+    (plan, ranking)
+}
+
+#[test]
+fn a_cone_is_cut_along_its_levels_and_its_floor_to_and_fro() {
+    let cutters = [Cutter::toroidal(mm(6.0), mm(1.0)).unwrap()];
+    let (plan, ranking) = planned(&cone_on_floor(32.0, [12.0, 16.0], [9.0, 6.0, 5.0]), &cutters, &several(2, 0.1));
+    assert!(plan.operations.iter().any(|operation| operation.lines == Lines::Waterline));
+    let [plan, single] = [plan.time.seconds(), ranking.plans[0].time.seconds()];
+    assert!(plan < 0.6 * single, "{plan} s beside {single} s");
+}
+
+#[test]
+fn each_part_of_a_wall_has_its_cutter() {
+    let cutters = [Cutter::toroidal(mm(12.0), mm(2.0)).unwrap(), Cutter::ball_end(mm(6.0))];
+    for turn in [0.0, 17.3] {
+        let (plan, ranking) = planned(&placed(&field([34.0, 20.0], 0.25, fillet_wall), turn, [0.0; 3]), &cutters, &several(3, 0.01));
+        assert!(plan.time.seconds() < ranking.plans[0].time.seconds());
+        assert!((plan.operations.iter().map(|operation| operation.area_share).sum::<f64>() - 1.0).abs() < 0.05);
+    }
+}
+
+#[test]
+fn a_rest_is_what_the_cutter_before_cannot_reach() {
+    let facets = pocket();
+    let part = workpiece(&facets);
+    let (large, small) = (Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), Cutter::flat_end(mm(3.0)));
+    let alone = ranked_on(&part, &[CandidateCutter::new(large)], &several(1, 1.0));
+    let rest_settings = PlanSettings { rest_of: Some(large), ..several(1, 0.01) };
+    let rest = ranked_on(&part, &[CandidateCutter::new(small)], &rest_settings);
+    let share = rest.rest_share.unwrap();
+    // Of 4,000 places, three standard errors are 0.017.
+    assert!((share - alone.plans[0].uncut_share).abs() < 0.02, "{share} and {}", alone.plans[0].uncut_share);
+    // A rest takes less time than everything does.
+    let whole = ranked_on(&part, &[CandidateCutter::new(small)], &several(1, 0.01));
+    assert!(rest.plans[0].time.seconds() < 0.8 * whole.plans[0].time.seconds());
+    let [first, second] =
+        [passes(&part, &alone.plans[0], &several(1, 1.0), &|| false), passes(&part, &rest.plans[0], &rest_settings, &|| false)];
+    let (first, second) = (first.unwrap(), second.unwrap());
+    let paths = [Path { cutter: large, points: &first.points }, Path { cutter: small, points: &second.points }];
+    let verdict = milled(&facets, &paths, &whole.plans[0].milled.unwrap().finish);
+    assert!(verdict.is_kept(), "{verdict}");
+}
+
+#[test]
+fn nothing_is_left_where_the_cutter_before_reaches_everything() {
+    let part = workpiece(&super::parts::plate([30.0, 20.0], 25.0));
+    let ball = Cutter::ball_end(mm(6.0));
+    let ranking = ranked_on(&part, &[CandidateCutter::new(ball)], &PlanSettings { rest_of: Some(ball), ..several(1, 0.01) });
+    assert_eq!(ranking.rest_share, Some(0.0));
+    assert!(ranking.plans.is_empty() && ranking.not_ranked.is_empty());
+}
+
+#[test]
+fn the_tightest_hollow_is_the_fillet() {
+    let radius = workpiece(&field([34.0, 20.0], 0.25, fillet_wall)).smallest_concave_radius().unwrap().mm();
+    assert!((radius - 6.0).abs() < 0.9, "{radius}");
+    assert_eq!(workpiece(&pocket()).smallest_concave_radius(), Some(scallopd::quantity::Length::ZERO));
+    assert_eq!(workpiece(&super::parts::plate([30.0, 20.0], 25.0)).smallest_concave_radius(), None);
+}
