@@ -3,7 +3,7 @@
 /** Names of requests and answers. */
 export const NAMES = {
   // Cutter
-  type: { label: 'Shape', help: 'Shape of the cutter: toroidal (bull-nose), ball, flat, a ball on a cone, a lens, or a barrel with a ball tip.' },
+  type: { label: 'Shape', help: 'Shape of the cutter: toroidal (bull-nose), ball, flat, a ball on a cone, a lens, a barrel with a ball tip, or any profile of arcs.' },
   diameter_mm: { label: 'Diameter', kind: 'length', help: 'Outer diameter of the cutter (ISO 13399: DC).' },
   corner_radius_mm: { label: 'Corner radius', kind: 'length', help: 'Radius of the rounded corner (ISO 13399: RE). Under half the diameter.' },
   taper_deg: { label: 'Taper', kind: 'angle', help: 'Half the angle of the cone: that of its flank to the axis.' },
@@ -11,6 +11,7 @@ export const NAMES = {
   lens_radius_mm: { label: 'Lens radius', kind: 'length', help: 'Radius of the bottom, which is centred on the axis. At least half the diameter.' },
   tip_radius_mm: { label: 'Tip radius', kind: 'length', help: 'Radius of the ball tip.' },
   side_radius_mm: { label: 'Side radius', kind: 'length', help: 'Radius of the side, which touches the tip and ends at the diameter.' },
+  arcs: { label: 'Arcs', help: 'One arc a line, from the tip outwards: radius, offset and height of its centre in mm, and the angles of its normal from and to, 0° straight down. Where two do not touch, a flat or a cone joins them.' },
   teeth: { label: 'Teeth', kind: 'count', help: 'Number of effective teeth (ISO 13399: ZEFP), 1 to 100.' },
   spindle_speed_rpm: { label: 'Spindle speed', kind: 'speed', help: 'Revolutions per minute. With the teeth it turns feed per tooth into feed rate.' },
   flute_length_mm: { label: 'Flute length', kind: 'length', help: 'Cutting length of the flutes. The service warns where the surface is deeper.' },
@@ -110,11 +111,13 @@ const PROGRAM_TERMS = {
 
 const SIDE_OF_BOX = 'Only facets whose centroid lies in this box are machined. Drag over the map to choose it.';
 
+// Dimensions that the cutter before has as well.
+const OF_CUTTERS = ['diameter_mm', 'corner_radius_mm', 'taper_deg', 'shank_diameter_mm', 'lens_radius_mm', 'tip_radius_mm', 'side_radius_mm', 'arcs'];
+
 // The page’s own names, for nested members and for fields with another name in the service.
 const OF_THE_PAGE = {
   ...PROGRAM_TERMS,
-  rest_of_diameter_mm: { label: 'Its diameter', kind: 'length', help: 'Diameter of the cutter before.' },
-  rest_of_corner_radius_mm: { label: 'Its corner radius', kind: 'length', help: 'Corner radius of the cutter before.' },
+  ...Object.fromEntries(OF_CUTTERS.map((name) => [`rest_of_${name}`, { ...NAMES[name], label: `Its ${NAMES[name].label.toLowerCase()}` }])),
   tolerance_of_plan: { label: 'Tolerance', kind: 'height', help: 'Largest scallop height that the plan may leave, tooth marks included.' },
   machine_feed_rate_mm_min: { label: 'Feed rate', kind: 'feedRate', help: 'The feed rate of the machine for finishing.' },
   scallop_p99_mm: { label: 'Scallop p99', kind: 'height', help: 'Scallop height that 99 % of the area that the cutter can reach does not exceed.' },
@@ -146,12 +149,11 @@ const OF_THE_PAGE = {
 export const TERMS = { ...NAMES, ...OF_THE_PAGE };
 
 /** The types of cutters with their labels, for the choices of forms. */
-export const CUTTER_TYPES = [['toroidal', 'Bull nose'], ['ball_end', 'Ball end'], ['flat_end', 'Flat end'], ['tapered_ball', 'Tapered ball'], ['lens', 'Lens'], ['oval', 'Oval'], ['conical_barrel', 'Conical barrel']];
+export const CUTTER_TYPES = [['toroidal', 'Bull nose'], ['ball_end', 'Ball end'], ['flat_end', 'Flat end'], ['tapered_ball', 'Tapered ball'], ['lens', 'Lens'], ['oval', 'Oval'], ['conical_barrel', 'Conical barrel'], ['profile', 'Profile']];
 
 // The page’s texts for words of the service.
 const WORDS = {
   ...Object.fromEntries(CUTTER_TYPES),
-  profile: 'Profile',
   scallop_tolerance: 'the tolerance',
   max_feed_per_tooth: 'the cutter’s feed limit',
   max_feed_rate: 'the machine’s feed limit',

@@ -1,8 +1,11 @@
 //! A machine tool: the limits of its feed moves, its rapid rate, its spindle speed and its clearance height.
 
 use super::{MachineLimits, path_time, travel_time};
-use crate::numerics::vector::{difference, length};
+use crate::numerics::vector::{difference, dot, length};
 use crate::quantity::{Length, Speed, SpindleSpeed, Time};
+
+/// The cosine of the angle of 45° over which a corner is the end of a run: here a control without path tolerance stops.
+const STOP_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// A machine tool. Rapid moves have the acceleration and the jerk of feed moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,8 +39,8 @@ pub struct TimedMove {
 
 impl Machine {
     /// The time of moves in their order. Each rapid is from rest to rest. So is each run of moves at the feed rate that
-    /// follow each other: by [`path_time`] where the control has a path tolerance, else as one straight move at the mean
-    /// feed rate.
+    /// follow each other: by [`path_time`] where the control has a path tolerance, else from one corner of more than 45° to
+    /// the next as one straight move at the mean feed rate.
     #[must_use]
     pub fn time_of(&self, moves: impl IntoIterator<Item = TimedMove>) -> Time {
         let mut seconds = 0.0;
@@ -72,12 +75,27 @@ impl Machine {
         if let Some(tolerance) = self.path_tolerance {
             return path_time(points, feed_rates, self.limits, tolerance).seconds();
         }
-        let (mut whole, mut at_feed) = (0.0, 0.0);
+        let (mut seconds, mut whole, mut at_feed) = (0.0, 0.0, 0.0);
+        let mut last: Option<[f64; 3]> = None;
         for (ends, feed_rate) in points.windows(2).zip(feed_rates) {
-            let step = length(difference(ends[1], ends[0]));
+            let along = difference(ends[1], ends[0]);
+            let step = length(along);
+            if step <= 0.0 {
+                continue;
+            }
+            if last.is_some_and(|last| dot(last, along) < STOP_COSINE * length(last) * step) {
+                seconds += self.straight_seconds(whole, at_feed);
+                (whole, at_feed) = (0.0, 0.0);
+            }
             whole += step;
             at_feed += step / feed_rate.mm_s();
+            last = Some(along);
         }
+        seconds + self.straight_seconds(whole, at_feed)
+    }
+
+    /// The time of a straight move from rest to rest of a length in mm that takes the second argument in s at its feed rate.
+    fn straight_seconds(&self, whole: f64, at_feed: f64) -> f64 {
         if whole <= 0.0 {
             return 0.0;
         }
@@ -112,5 +130,36 @@ impl From<MachineLimits> for Machine {
             time_factor: 1.0,
             tool_change: Time::computed(10.0),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::{Acceleration, Jerk};
+    use approx::assert_relative_eq;
+
+    #[test]
+    fn a_control_without_path_tolerance_stops_in_sharp_corners() {
+        let limits = MachineLimits {
+            feed_rate: Speed::from_mm_min(3000.0).unwrap(),
+            acceleration: Acceleration::from_m_s2(2.0).unwrap(),
+            jerk: Jerk::from_m_s3(50.0).unwrap(),
+        };
+        let machine = Machine::from(limits);
+        let time = |corners: &[[f64; 3]]| {
+            let moves = corners.windows(2).map(|ends| TimedMove { from: ends[0], to: ends[1], feed_rate: Some(limits.feed_rate) });
+            machine.time_of(moves).seconds()
+        };
+        let straight = |length: f64| travel_time(Length::from_mm(length).unwrap(), limits).seconds();
+        let two_squares = 2.0 * 2f64.sqrt();
+        assert_relative_eq!(time(&[[0.0; 3], [2.0, 0.0, 0.0], [5.0, 0.0, 0.0]]), straight(5.0));
+        // A turn of 44° and one of 46°.
+        let after = |turn: f64| [2.0 + 2.0 * turn.to_radians().cos(), 2.0 * turn.to_radians().sin(), 0.0];
+        assert_relative_eq!(time(&[[0.0; 3], [2.0, 0.0, 0.0], after(44.0)]), straight(4.0), max_relative = 1e-12);
+        assert_relative_eq!(time(&[[0.0; 3], [2.0, 0.0, 0.0], after(46.0)]), 2.0 * straight(2.0), max_relative = 1e-12);
+        // A tip that stands twice does not hide the corner.
+        let back = [[0.0; 3], [2.0, 2.0, 0.0], [2.0, 2.0, 0.0], [0.0; 3]];
+        assert_relative_eq!(time(&back), 2.0 * straight(two_squares), max_relative = 1e-12);
     }
 }

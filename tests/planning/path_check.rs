@@ -306,7 +306,7 @@ async fn a_control_that_looks_ahead_is_timed_with_its_corners() {
     };
     let (fine, coarse) = (time(json!({"path_tolerance_mm": 0.002})).await, time(json!({"path_tolerance_mm": 0.1})).await);
     assert!(fine > 1.01 * coarse, "{fine} {coarse}");
-    let stopless = time(json!({})).await;
-    assert!(stopless < coarse);
-    assert_relative_eq!(time(json!({"time_factor": 1.25})).await, 1.25 * stopless, max_relative = 1e-12);
+    let stopping = time(json!({})).await;
+    assert!(stopping > coarse, "{stopping} {coarse}");
+    assert_relative_eq!(time(json!({"time_factor": 1.25})).await, 1.25 * stopping, max_relative = 1e-12);
 }

@@ -1,7 +1,7 @@
 // The fields that the contact view and the table of contacts share.
 
 import { CUTTER_TYPES } from '../terms.js';
-import { FIELDS_OF_SHAPES, SHAPE_NAMES, hasDimension } from './request.js';
+import { FIELDS_OF_SHAPES, arrangeShape } from './request.js';
 
 /** The fields of a cutter with its speed. */
 export const CUTTER_FIELDS = [
@@ -20,5 +20,5 @@ export const CUTTER_NAMES = CUTTER_FIELDS.map(({ name }) => name);
 export function arrangeByQuestion(form, needs) {
   const { question, type } = form.values();
   for (const [name, questions] of Object.entries(needs)) form.element(name).hidden = !questions.includes(question);
-  for (const name of SHAPE_NAMES) form.element(name).hidden = !hasDimension(type, name);
+  arrangeShape(form, type);
 }

@@ -13,10 +13,23 @@ const TABLE = 96;
 const RIGHT = Math.PI / 2;
 const arc = (radius, offset, height, from, to) => ({ radius, offset, height, from, to });
 
+const RADIANS = Math.PI / 180;
+
+// The stated arcs, and the edge of the cylinder above the last one.
+function arcsOfProfile(stated) {
+  const arcs = stated.map(({ radius_mm: radius, centre_offset_mm: offset, centre_height_mm: height, from_deg: from, to_deg: to }) => arc(radius, offset, height, from * RADIANS, to * RADIANS));
+  const { radius, offset, height, to } = arcs.at(-1);
+  return to < RIGHT ? [...arcs, arc(0, offset + radius * Math.sin(to), height - radius * Math.cos(to), to, RIGHT)] : arcs;
+}
+
+/** The diameter of the cutter with these arcs. */
+export const diameterOf = (arcs) => 2 * Math.max(...arcs.map(({ radius, offset, to }) => offset + radius * Math.sin(to)));
+
 /** The arcs of a cutter as the service takes it, from the axis outwards. */
-export function arcsOf({ type, diameter_mm: diameter, corner_radius_mm: corner, taper_deg, shank_diameter_mm: shank, lens_radius_mm: lens, tip_radius_mm: tip, side_radius_mm: side }) {
+export function arcsOf({ type, diameter_mm: diameter, corner_radius_mm: corner, taper_deg, shank_diameter_mm: shank, lens_radius_mm: lens, tip_radius_mm: tip, side_radius_mm: side, arcs }) {
+  if (type === 'profile') return arcsOfProfile(arcs);
   const R = diameter / 2;
-  const taper = type === 'oval' ? 0 : ((taper_deg ?? 0) * Math.PI) / 180;
+  const taper = type === 'oval' ? 0 : (taper_deg ?? 0) * RADIANS;
   if (type === 'tapered_ball') {
     const top = R * (1 - Math.sin(taper)) + (shank / 2 - R * Math.cos(taper)) / Math.tan(taper);
     return [arc(R, 0, R, 0, RIGHT - taper), arc(0, shank / 2, top, RIGHT - taper, RIGHT)];

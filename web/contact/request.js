@@ -4,8 +4,9 @@ import { toleranceOf } from '../tolerance.js';
 
 export const ENDPOINTS = { height: 'v1/scallop-height', step: 'v1/step-over', feed: 'v1/max-feed', fastest: 'v1/cutting-parameters' };
 
-const vector = (text) =>
-  text === undefined ? undefined : String(text).split(/[\s,;]+/).filter(Boolean).map((part) => (Number.isFinite(Number(part)) ? Number(part) : part));
+// Numbers with blanks or commas between them; another text stays, for the service to report.
+const wordsOf = (text) => text.split(/[\s,;]+/).filter(Boolean).map((word) => (Number.isFinite(Number(word)) ? Number(word) : word));
+const vector = (text) => (text === undefined ? undefined : wordsOf(String(text)));
 
 /** Members without a value are left out. */
 function stated(members) {
@@ -13,29 +14,48 @@ function stated(members) {
   return entries.length > 0 ? Object.fromEntries(entries) : undefined;
 }
 
-/** The dimensions of each type of cutter, beside its diameter. */
+/** The dimensions of each type of cutter. */
 const DIMENSIONS = {
-  toroidal: ['corner_radius_mm'], ball_end: [], flat_end: [], tapered_ball: ['taper_deg', 'shank_diameter_mm'], lens: ['lens_radius_mm', 'corner_radius_mm'],
-  oval: ['tip_radius_mm', 'side_radius_mm'], conical_barrel: ['tip_radius_mm', 'side_radius_mm', 'taper_deg'],
+  toroidal: ['diameter_mm', 'corner_radius_mm'], ball_end: ['diameter_mm'], flat_end: ['diameter_mm'], tapered_ball: ['diameter_mm', 'taper_deg', 'shank_diameter_mm'],
+  lens: ['diameter_mm', 'lens_radius_mm', 'corner_radius_mm'], oval: ['diameter_mm', 'tip_radius_mm', 'side_radius_mm'],
+  conical_barrel: ['diameter_mm', 'tip_radius_mm', 'side_radius_mm', 'taper_deg'], profile: ['arcs'],
 };
 
-/** The fields of these dimensions, but for the corner radius, which forms have with a value of their own. */
+// The members of an arc in the order of a line.
+const ARC = ['radius_mm', 'centre_offset_mm', 'centre_height_mm', 'from_deg', 'to_deg'];
+
+/** The arcs of a text with one arc a line. */
+const arcsOfText = (text) => text.split('\n').filter((line) => line.trim()).map((line) => Object.fromEntries(wordsOf(line).map((word, i) => [ARC[i] ?? `number_${i + 1}`, word])));
+
+const textOfArcs = (arcs) => arcs.map((arc) => ARC.map((name) => arc[name]).join(' ')).join('\n');
+
+/** The fields of these dimensions, but for diameter and corner radius, which forms have with values of their own. */
 export const FIELDS_OF_SHAPES = [
   { name: 'taper_deg', value: 5 },
   { name: 'shank_diameter_mm', value: 16, inch: 15.875 },
   { name: 'lens_radius_mm', value: 40, inch: 38.1 },
   { name: 'tip_radius_mm', value: 2, inch: 1.5875 },
   { name: 'side_radius_mm', value: 80, inch: 76.2 },
+  { name: 'arcs', text: 'lines', value: '2 0 2 0 60\n40 -32.90897 21 60 85' },
 ];
-export const SHAPE_NAMES = ['corner_radius_mm', ...FIELDS_OF_SHAPES.map(({ name }) => name)];
+export const SHAPE_NAMES = ['diameter_mm', 'corner_radius_mm', ...FIELDS_OF_SHAPES.map(({ name }) => name)];
 
 /** Whether a cutter of this type has the dimension. */
 export const hasDimension = (type, name) => (DIMENSIONS[type] ?? []).includes(name);
 
-export function cutterOf({ type, diameter_mm, teeth, ...values }) {
-  const dimensions = SHAPE_NAMES.filter((name) => hasDimension(type, name)).map((name) => [name, values[name]]);
-  return stated({ type, diameter_mm, ...Object.fromEntries(dimensions), teeth });
+/** Shows the fields of the dimensions that a cutter of this type has; those of a cutter in another role have names with a prefix. */
+export function arrangeShape(form, type, prefix = '') {
+  for (const name of SHAPE_NAMES) form.element(prefix + name).hidden = !hasDimension(type, name);
 }
+
+/** The cutter of a form's values, as the service takes it. */
+export function cutterOf({ type, teeth, ...values }) {
+  const dimensions = SHAPE_NAMES.filter((name) => hasDimension(type, name)).map((name) => [name, name === 'arcs' ? arcsOfText(values.arcs ?? '') : values[name]]);
+  return stated({ type, ...Object.fromEntries(dimensions), teeth });
+}
+
+/** The values of a form for a cutter, as the service takes it. */
+export const valuesOfCutter = ({ arcs, ...cutter }) => stated({ ...cutter, arcs: arcs && textOfArcs(arcs) }) ?? {};
 
 export function contactOf(values) {
   if (values.contact_form === 'vectors') return stated({ normal: vector(values.normal), feed: vector(values.feed), tool_axis: vector(values.tool_axis) }) ?? {};
@@ -78,6 +98,8 @@ export function requestOf(values, model) {
 /** The name of the field that a pointer into a request names. */
 export function fieldAt(pointer) {
   const parts = pointer.split('/').filter((part) => part !== '' && !/^\d+$/.test(part));
+  // All arcs have one field.
+  if (parts.includes('arcs')) return 'arcs';
   // A roughness without Ra.
   return parts.at(-1) === 'roughness' ? 'ra_um' : parts.at(-1);
 }

@@ -15,8 +15,8 @@ import { CUTTER_FIELDS, CUTTER_NAMES, arrangeByQuestion } from './fields.js';
 import { anglesOf, frameOfAngles, frameOfVectors } from './frame.js';
 import { polarChart } from './polar.js';
 import { remediesOf, verdictOf } from './remedies.js';
-import { arcsOf } from './profile.js';
-import { ENDPOINTS, contactOf, fieldAt, requestOf } from './request.js';
+import { arcsOf, diameterOf } from './profile.js';
+import { ENDPOINTS, contactOf, cutterOf, fieldAt, requestOf } from './request.js';
 
 const QUESTIONS = [['height', 'Scallop height'], ['step', 'Largest step-over'], ['feed', 'Largest feed'], ['fastest', 'Fastest step-over and feed']];
 
@@ -286,14 +286,12 @@ export class ContactView {
     const frame = contact.normal ? frameOfVectors(contact.normal, contact.feed, contact.tool_axis) : frameOfAngles(contact.slope_deg, contact.feed_angle_deg);
     if (!frame) return null;
     const { slope, feedAngle } = contact.normal ? anglesOf(frame) : { slope: contact.slope_deg, feedAngle: contact.feed_angle_deg };
-    // A tapered ball is as wide as its shank.
-    const diameter = values.type === 'tapered_ball' ? values.shank_diameter_mm : values.diameter_mm;
-    const arcs = arcsOf(values);
+    const arcs = arcsOf(cutterOf(values));
     const curvature = { along: 0, across: 0, twist: 0 };
     if (values.surface_form === 'radius' && values.surface_radius_mm) curvature.across = 1 / values.surface_radius_mm;
     if (values.surface_form === 'curvature') Object.assign(curvature, { along: values.along_per_mm ?? 0, across: values.across_per_mm ?? 0, twist: values.twist_per_mm ?? 0 });
     return {
-      frame, slope, feedAngle, diameter, arcs, curvature, stepOver: answer.step_over_mm, feed: answer.feed_per_tooth_mm ?? values.feed_per_tooth_mm ?? 0,
+      frame, slope, feedAngle, diameter: diameterOf(arcs), arcs, curvature, stepOver: answer.step_over_mm, feed: answer.feed_per_tooth_mm ?? values.feed_per_tooth_mm ?? 0,
       height: answer.scallop_height_mm, stepOverHeight: answer.step_over_height_mm, tolerance: typeof values.scallop_tolerance_mm === 'number' ? values.scallop_tolerance_mm : undefined,
     };
   }

@@ -1,7 +1,7 @@
 // A cutter from the side with its dimensions, for the setup sheet.
 
 import { svg } from '../dom.js';
-import { arcsOf, outlineOf } from '../contact/profile.js';
+import { arcsOf, diameterOf, outlineOf } from '../contact/profile.js';
 import { formatRound } from '../units.js';
 
 const [WIDTH, HEIGHT, WIDEST] = [165, 150, 66];
@@ -9,7 +9,7 @@ const [WIDTH, HEIGHT, WIDEST] = [165, 150, 66];
 /** The drawing of a cutter as the service takes it. */
 export function cutterDrawing({ corner_radius_mm: corner = 0, flute_length_mm: flutes, ...cutter }) {
   const arcs = arcsOf({ ...cutter, corner_radius_mm: corner });
-  const { diameter_mm: diameter } = cutter;
+  const diameter = diameterOf(arcs);
   const below = outlineOf(arcs);
   const [outer, top] = below.at(-1);
   const [middle, foot] = [WIDTH / 2 - 18, HEIGHT - 28];

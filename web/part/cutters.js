@@ -4,7 +4,7 @@
 import { el } from '../dom.js';
 import { Form } from '../fields.js';
 import { CUTTER_TYPES, inWords } from '../terms.js';
-import { FIELDS_OF_SHAPES, cutterOf, hasDimension } from '../contact/request.js';
+import { FIELDS_OF_SHAPES, cutterOf, hasDimension, valuesOfCutter } from '../contact/request.js';
 
 const NAMES = ['name', 'type', 'diameter_mm', 'corner_radius_mm', 'teeth', 'spindle_speed_rpm', 'max_feed_per_tooth_mm', 'flute_length_mm'];
 // Dimensions of some shapes, in a line of their own.
@@ -16,7 +16,8 @@ const MOST = 200;
 const fieldsOf = (cutter) => [
   { name: 'name', label: 'Name', help: 'Any name; the answer repeats it.', text: true, value: cutter.name },
   { name: 'type', choices: CUTTER_TYPES, value: cutter.type },
-  ...[...NAMES.slice(2), ...FURTHER].map((name) => ({ name, value: cutter[name] })),
+  ...NAMES.slice(2).map((name) => ({ name, value: cutter[name] })),
+  ...FIELDS_OF_SHAPES.map(({ name, text }) => ({ name, text, value: valuesOfCutter(cutter)[name] })),
 ];
 
 /** What a cutter lacks for a feed of its own; null if it lacks nothing. */
@@ -120,7 +121,7 @@ export class CutterTable {
     for (const row of shown) {
       if (!row.form) this.#build(row);
       const type = row.form.value('type');
-      row.form.element('corner_radius_mm').classList.toggle('unused', !hasDimension(type, 'corner_radius_mm'));
+      for (const name of ['diameter_mm', 'corner_radius_mm']) row.form.element(name).classList.toggle('unused', !hasDimension(type, name));
       for (const name of FURTHER) row.form.element(name).hidden = !hasDimension(type, name);
       row.further.hidden = !FURTHER.some((name) => hasDimension(type, name));
       row.element.classList.toggle('off', !row.tick.checked);
@@ -183,7 +184,7 @@ export class CutterTable {
 
   /** The field that a pointer such as /cutters/2/diameter_mm names. */
   field(pointer) {
-    const found = /^\/cutters\/(\d+)(?:\/(\w+))?$/.exec(pointer);
+    const found = /^\/cutters\/(\d+)(?:\/(\w+).*)?$/.exec(pointer);
     const row = found && this.#sent[found[1]];
     if (!row) return null;
     if (!row.element?.isConnected) {

@@ -1,6 +1,6 @@
 // The part view's fields, and the request that they make.
 
-import { FIELDS_OF_SHAPES, hasDimension } from '../contact/request.js';
+import { FIELDS_OF_SHAPES, SHAPE_NAMES, cutterOf } from '../contact/request.js';
 import { CUTTER_TYPES } from '../terms.js';
 import { ROUGHNESS_FIELDS, toleranceOf } from '../tolerance.js';
 import { EXAMPLES } from './examples.js';
@@ -24,6 +24,12 @@ export const INCH_CUTTERS = [
 
 export const UNITS = [['', 'mm (3MF: its own)'], ...['mm', 'cm', 'm', 'inch', 'foot', 'um'].map((unit) => [unit, unit === 'um' ? 'µm' : unit])];
 
+// Names of the fields of the cutter before begin with it.
+const REST = 'rest_of_';
+
+/** The fields of the cutter before. */
+export const REST_NAMES = ['type', ...SHAPE_NAMES].map((name) => REST + name);
+
 export const FIELDS = [
   { name: 'example', label: 'Surface', help: 'Your own file, or an example to try the page with.', choices: [['file', 'A file'], ...EXAMPLES.map(([name, label]) => [name, label])], value: 'grooved' },
   { name: 'unit', choices: UNITS, value: '' },
@@ -34,9 +40,10 @@ export const FIELDS = [
   { name: 'method', choices: [['surface', 'Surface'], ['rectangle', 'Rectangle']], segmented: true, value: 'surface' },
   { name: 'model', choices: [['', 'Method’s own'], ['envelope', 'Exact'], ['analytic', 'Published']], value: '' },
   { name: 'operations', label: 'Operations', help: 'The most operations of the plan: level parts to and fro, steep ones by waterlines, what one cutter leaves by a smaller one.', choices: [['1', '1'], ['2', '2'], ['3', '3']], segmented: true, value: '1' },
-  { name: 'rest_of_type', label: 'Only the rest of', help: 'A cutter that has machined everything before: only what it could not reach is planned.', choices: [['', 'No cutter before'], ...CUTTER_TYPES.filter(([type]) => !FIELDS_OF_SHAPES.some(({ name }) => hasDimension(type, name)))], value: '' },
+  { name: 'rest_of_type', label: 'Only the rest of', help: 'A cutter that has machined everything before: only what it could not reach is planned.', choices: [['', 'No cutter before'], ...CUTTER_TYPES], value: '' },
   { name: 'rest_of_diameter_mm', value: 10, inch: 9.525 },
   { name: 'rest_of_corner_radius_mm', value: 2, inch: 1.5875 },
+  ...FIELDS_OF_SHAPES.map(({ name, ...field }) => ({ name: REST + name, ...field })),
   { name: 'max_slope_deg', optional: '85' },
   { name: 'max_uncut_share', optional: '0.5' },
   { name: 'directions_deg', text: true, optional: 'all' },
@@ -88,9 +95,9 @@ function selectionOf(values) {
 }
 
 // The cutter before, whose rest is machined.
-function restOf({ rest_of_type: type, rest_of_diameter_mm, rest_of_corner_radius_mm }) {
-  if (!type) return undefined;
-  return { cutter: { type, diameter_mm: rest_of_diameter_mm, corner_radius_mm: type === 'toroidal' ? rest_of_corner_radius_mm : undefined } };
+function restOf(values) {
+  if (!values.rest_of_type) return undefined;
+  return { cutter: cutterOf(Object.fromEntries(REST_NAMES.map((name) => [name.slice(REST.length), values[name]]))) };
 }
 
 const linesOf = (text) => text?.split('\n').map((line) => line.trim()).filter(Boolean);
@@ -156,8 +163,6 @@ const FIELD_OF = {
   '/roughness': 'ra_um',
   '/operations/max': 'operations',
   '/rest_of': 'rest_of_type',
-  '/rest_of/cutter/diameter_mm': 'rest_of_diameter_mm',
-  '/rest_of/cutter/corner_radius_mm': 'rest_of_corner_radius_mm',
   '/machine': 'machine',
   '/machine/preset': 'machine',
   '/machine/feed_rate_mm_min': 'machine_feed_rate_mm_min',
@@ -174,6 +179,8 @@ export function fieldNameOf(pointer) {
   if (/^\/select\/?$/.test(pointer)) return 'select_slope_from_deg';
   if (/^\/select\/pieces/.test(pointer)) return 'pieces_selected';
   if (/^\/directions_deg/.test(pointer)) return 'directions_deg';
+  const rest = /^\/rest_of\/cutter\/(\w+)/.exec(pointer);
+  if (rest) return REST + rest[1];
   const program = /^\/program\/(\w+)/.exec(pointer);
   if (program) return `program_${program[1]}`;
   return pointer.split('/').at(-1);

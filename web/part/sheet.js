@@ -60,7 +60,7 @@ export function showSheet(plan) {
       el('section', {}, el('h2', {}, 'Part'), listOf(partRows(plan))),
       several
         ? el('section', {}, el('h2', {}, 'Cutters'), listOf(toolRows(several, parameters.cutters ?? [])))
-        : el('section', { class: 'sheet-tool' }, el('h2', {}, 'Cutter'), listOf(cutterRows(cutter, candidate)), cutter.diameter_mm && cutterDrawing(cutter)),
+        : el('section', { class: 'sheet-tool' }, el('h2', {}, 'Cutter'), listOf(cutterRows(cutter, candidate)), cutter.type && cutterDrawing(cutter)),
       el('section', {}, el('h2', {}, 'Plan'), listOf(planRows(plan))),
       el('section', {}, el('h2', {}, 'What it leaves'), listOf(figureRows(candidate)), checkList(checksOf(candidate, parameters, answer.confidence)))),
     several && el('section', {}, el('h2', {}, 'Operations'), operationsTable(several, answer.recommended)),

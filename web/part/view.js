@@ -2,6 +2,7 @@
 
 import { LineChart } from '../charts.js';
 import { copy, csvOf, save } from '../clipboard.js';
+import { arrangeShape, valuesOfCutter } from '../contact/request.js';
 import { el, fileButton } from '../dom.js';
 import { Form, placeFaults } from '../fields.js';
 import { get, Unreachable } from '../service.js';
@@ -15,7 +16,7 @@ import { EXAMPLES } from './examples.js';
 import { KeptPlans } from './kept.js';
 import { PartMap } from './map.js';
 import { cuttersByNumber, operationKeys, severalOf } from './operations.js';
-import { CUTTERS, FIELDS, INCH_CUTTERS, PROGRAM, SELECTION, fieldNameOf, parametersOf, programOf } from './request.js';
+import { CUTTERS, FIELDS, INCH_CUTTERS, PROGRAM, REST_NAMES, SELECTION, fieldNameOf, parametersOf, programOf } from './request.js';
 import { alone, compose, curlOf, send, stlOf } from './sending.js';
 import { ToleranceSlider } from './slider.js';
 import { showSheet } from './sheet.js';
@@ -25,7 +26,7 @@ import { remedies } from './verdict.js';
 const FORMATS = 'STL, OBJ, PLY, PCD, 3MF, CSV, XYZ; up to 1 GB';
 const LIBRARY_FORMATS = 'Fusion .json or .tools, FreeCAD .fctb or a zip of them, CSV';
 const LIMITS = ['machine_feed_rate_mm_min', 'acceleration_m_s2', 'jerk_m_s3', 'rapid_rate_mm_min', 'max_spindle_speed_rpm', 'clearance_height_mm', 'path_tolerance_mm', 'time_factor', 'tool_change_s'];
-const METHOD = ['operations', 'rest_of_type', 'rest_of_diameter_mm', 'rest_of_corner_radius_mm', 'max_slope_deg', 'max_uncut_share', 'directions_deg', 'model', 'method'];
+const METHOD = ['operations', ...REST_NAMES, 'max_slope_deg', 'max_uncut_share', 'directions_deg', 'model', 'method'];
 // The chart shows the fastest cutters, each in a colour of its own.
 const CHARTED = SERIES.length;
 // These are not parameters of method rectangle.
@@ -293,7 +294,7 @@ export class PartView {
       program: new File([this.#plan.program.text], this.#programName),
       text: this.#plan.program.text,
       surface: example === 'file' ? file : null,
-      values: { example, unit, facing, teeth: undefined, spindle_speed_rpm: undefined, max_feed_per_tooth_mm: undefined, ...cutter, tip: 'lowest_point', scallop_tolerance_mm: heightOf(parameters), machine: machine.preset ?? '', machine_feed_rate_mm_min: machine.feed_rate_mm_min, path_tolerance_mm: machine.path_tolerance_mm },
+      values: { example, unit, facing, teeth: undefined, spindle_speed_rpm: undefined, max_feed_per_tooth_mm: undefined, ...valuesOfCutter(cutter), tip: 'lowest_point', tolerance_form: 'height', scallop_tolerance_mm: heightOf(parameters), machine: machine.preset ?? '', machine_feed_rate_mm_min: machine.feed_rate_mm_min, path_tolerance_mm: machine.path_tolerance_mm },
       given: { select, max_slope_deg: maxSlope, machine, cutters },
     } });
   }
@@ -310,10 +311,10 @@ export class PartView {
     if (!passes) return null;
     const { recommended, model } = this.#last;
     const { cutters, machine } = this.#request.parameters;
-    const { type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm, max_feed_per_tooth_mm } = cutters?.[recommended.cutter] ?? {};
+    const { name: _name, flute_length_mm: _length, ...cutter } = cutters?.[recommended.cutter] ?? {};
     const feed = passes.feed_per_tooth_mm;
     const machineRate = machine.feed_rate_mm_min ?? this.#machines.find(({ name }) => name === machine.preset)?.feed_rate_mm_min;
-    return this.#showPath(csvOf(...passRows(passes)), { type, diameter_mm, corner_radius_mm, teeth, spindle_speed_rpm, max_feed_per_tooth_mm, scallop_tolerance_mm: heightOf(this.#request.parameters), model, max_feed_rate_mm_min: machineRate, question: feed ? 'feed' : 'height', feed_per_tooth_mm: feed ? undefined : 0 });
+    return this.#showPath(csvOf(...passRows(passes)), { ...valuesOfCutter(cutter), scallop_tolerance_mm: heightOf(this.#request.parameters), model, max_feed_rate_mm_min: machineRate, question: feed ? 'feed' : 'height', feed_per_tooth_mm: feed ? undefined : 0 });
   }
 
   // The values of the preset are shown in the fields as hints; a stated value overrides its hint.
@@ -335,8 +336,7 @@ export class PartView {
     for (const name of OF_SURFACE_METHOD) this.#form.element(name).hidden = values.method !== 'surface';
     arrangeTolerance(this.#form, 'tolerance_of_plan');
     const hasRest = values.method === 'surface' && values.rest_of_type !== '';
-    this.#form.element('rest_of_diameter_mm').hidden = !hasRest;
-    this.#form.element('rest_of_corner_radius_mm').hidden = !hasRest || values.rest_of_type !== 'toroidal';
+    arrangeShape(this.#form, hasRest ? values.rest_of_type : null, 'rest_of_');
     this.#form.element('tool_change_s').hidden = values.method !== 'surface' || values.operations === '1';
     // A closed group shows how many of its fields have a value.
     const defaults = Object.fromEntries(FIELDS.map(({ name, value }) => [name, value]));

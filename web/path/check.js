@@ -2,13 +2,14 @@
 // service answers them.
 
 import { save } from '../clipboard.js';
-import { SHAPE_NAMES, cutterOf, hasDimension } from '../contact/request.js';
+import { SHAPE_NAMES, arrangeShape, cutterOf } from '../contact/request.js';
 import { el } from '../dom.js';
 import { Form, placeFaults } from '../fields.js';
 import { EXAMPLES, fileOfSurface } from '../part/examples.js';
 import { PartMap } from '../part/map.js';
 import { stlOf } from '../part/sending.js';
 import { get, upload, Unreachable } from '../service.js';
+import { arrangeTolerance, heightOf, toleranceFields, toleranceOf } from '../tolerance.js';
 import { excerpt, placesTable, summaryOf } from './check_answer.js';
 import { FIELDS, fieldNameOf, parametersOf } from './check_request.js';
 
@@ -63,8 +64,8 @@ export class ProgramCheck {
     el('h2', {}, 'Part'), form.element('example'), drop('surface', 'check-surface', 'Choose the part'),
     el('div', { class: 'grid' }, form.elements('unit', 'facing')),
     el('h2', {}, 'Program'), drop('program', 'check-program', 'Choose the program'), form.element('tip'),
-    el('h2', {}, 'Cutter'), el('div', { class: 'grid' }, form.elements('type', 'diameter_mm', ...SHAPE_NAMES, 'teeth', 'spindle_speed_rpm', 'max_feed_per_tooth_mm')),
-    el('h2', {}, 'Finish and machine'), el('div', { class: 'grid' }, form.elements('scallop_tolerance_mm', 'machine', 'machine_feed_rate_mm_min', 'path_tolerance_mm')),
+    el('h2', {}, 'Cutter'), el('div', { class: 'grid' }, form.elements('type', ...SHAPE_NAMES, 'teeth', 'spindle_speed_rpm', 'max_feed_per_tooth_mm')),
+    el('h2', {}, 'Finish and machine'), el('div', { class: 'grid' }, form.elements(...toleranceFields('scallop_tolerance_mm'), 'machine', 'machine_feed_rate_mm_min', 'path_tolerance_mm')),
     el('div', { class: 'actions' }, el('button', { type: 'submit', class: 'primary' }, 'Check the program'), el('button', { type: 'button', onclick: () => {
       this.take({});
       this.#onChange();
@@ -84,7 +85,8 @@ export class ProgramCheck {
   #arrange() {
     const { example, type } = this.#form.values();
     for (const name of ['unit', 'facing']) this.#form.element(name).hidden = example !== 'file';
-    for (const name of SHAPE_NAMES) this.#form.element(name).hidden = !hasDimension(type, name);
+    arrangeShape(this.#form, type);
+    arrangeTolerance(this.#form, 'scallop_tolerance_mm');
     this.element.querySelector('.drop').classList.toggle('unused', example !== 'file');
   }
 
@@ -139,6 +141,12 @@ export class ProgramCheck {
   #fault(kind, text) {
     this.#faults[kind].textContent = text;
     this.#faults[kind].hidden = false;
+  }
+
+  // The scallop height in mm that the form states, by itself or by a roughness.
+  #tolerance() {
+    const values = this.#form.values();
+    return heightOf(toleranceOf(values, values.scallop_tolerance_mm));
   }
 
   #parameters() {
@@ -204,7 +212,7 @@ export class ProgramCheck {
     const map = this.#last?.map;
     this.#mapCard.hidden = !map;
     if (this.#mapCard.hidden) return;
-    this.#map.show(map, { tolerance: this.#form.value('scallop_tolerance_mm'), places: this.#last.places, program: this.#plan, cutter: cutterOf(this.#form.values()), file: stlOf(this.#surface, this.#form.value('unit') || 'mm'), caption: 'What the program leaves, and its worst places.' });
+    this.#map.show(map, { tolerance: this.#tolerance(), places: this.#last.places, program: this.#plan, cutter: cutterOf(this.#form.values()), file: stlOf(this.#surface, this.#form.value('unit') || 'mm'), caption: 'What the program leaves, and its worst places.' });
   }
 
   #showAnswer() {
@@ -214,7 +222,7 @@ export class ProgramCheck {
     if (!answer) return;
     const refed = answer.program?.text ?? answer.program;
     this.#summary.replaceChildren(
-      summaryOf(answer, this.#form.value('scallop_tolerance_mm')),
+      summaryOf(answer, this.#tolerance()),
       el('div', { class: 'actions' },
         el('button', { type: 'button', onclick: () => save('check.json', `${JSON.stringify(answer, null, 1)}\n`, 'application/json') }, 'Download JSON'),
         typeof refed === 'string' && el('button', { type: 'button', class: 'primary', onclick: () => save(this.#program.name.replace(/(\.[^.]*)?$/, '-new-feeds$1'), refed, 'text/plain') }, 'Download program with new feeds')));

@@ -1,9 +1,10 @@
 // The fields of a program's check, and the request that they make.
 
-import { FIELDS_OF_SHAPES, cutterOf } from '../contact/request.js';
+import { FIELDS_OF_SHAPES, cutterOf, fieldAt } from '../contact/request.js';
 import { EXAMPLES } from '../part/examples.js';
 import { UNITS } from '../part/request.js';
 import { CUTTER_TYPES } from '../terms.js';
+import { ROUGHNESS_FIELDS, toleranceOf } from '../tolerance.js';
 
 export const FIELDS = [
   { name: 'example', label: 'Surface', help: 'Your own file, or an example to try the page with.', choices: [['file', 'A file'], ...EXAMPLES.map(([name, label]) => [name, label])], value: 'file' },
@@ -18,6 +19,7 @@ export const FIELDS = [
   { name: 'max_feed_per_tooth_mm', optional: 'no limit' },
   { name: 'tip', label: 'Program drives', help: 'The point of the cutter whose path the program states.', choices: [['lowest_point', 'Lowest point'], ['centre', 'Centre']], segmented: true, value: 'lowest_point' },
   { name: 'scallop_tolerance_mm', value: 0.01, inch: 0.01016 },
+  ...ROUGHNESS_FIELDS,
   { name: 'machine', choices: [['five_axis_vmc', 'five_axis_vmc']], value: 'five_axis_vmc' },
   { name: 'machine_feed_rate_mm_min', optional: 'preset’s' },
   { name: 'path_tolerance_mm', optional: 'none' },
@@ -36,7 +38,7 @@ export function parametersOf(values, given, text) {
     ...given,
     cutter: given.cutters ? undefined : { ...cutterOf(values), spindle_speed_rpm, max_feed_per_tooth_mm },
     tip: values.tip === 'centre' ? 'centre' : undefined,
-    scallop_tolerance_mm: values.scallop_tolerance_mm,
+    ...toleranceOf(values, values.scallop_tolerance_mm),
     machine: { ...given.machine, preset: values.machine || undefined, feed_rate_mm_min: values.machine_feed_rate_mm_min, path_tolerance_mm: values.path_tolerance_mm },
     unit: (values.example === 'file' && values.unit) || undefined,
     facing: values.example === 'file' ? values.facing : undefined,
@@ -46,4 +48,4 @@ export function parametersOf(values, given, text) {
 
 const FIELD_OF = { '/machine/preset': 'machine', '/machine/feed_rate_mm_min': 'machine_feed_rate_mm_min' };
 
-export const fieldNameOf = (pointer) => FIELD_OF[pointer] ?? pointer.split('/').filter((part) => !/^\d*$/.test(part)).at(-1);
+export const fieldNameOf = (pointer) => FIELD_OF[pointer] ?? fieldAt(pointer);

@@ -95,7 +95,7 @@ export class SolidView {
     this.#put('surface', [surfaceOfMap(map, this.#frame, colourOf)], { lit: 1 });
     this.#put('path', path ? [linesOf(path, this.#frame)] : [], { mode: this.#gl.LINES });
     this.#put('places', places?.length ? [pointsOf(places, PLACES, this.#frame)] : [], { mode: this.#gl.POINTS, size: 11 });
-    this.#put('tool', cutter?.diameter_mm ? [toolOf(cutter)] : [], { lit: 1, opacity: 0.55 });
+    this.#put('tool', cutter?.type ? [toolOf(cutter)] : [], { lit: 1, opacity: 0.55 });
     if (this.#tool) this.#tool.visible = false;
     this.#wake();
     if (file && isBinaryStl(file.bytes)) await this.#showFacets(file, version);

@@ -95,6 +95,24 @@ test('Ra of the drawing stands for the tolerance', async () => {
   clean(watch, { refused: true });
 });
 
+test('a profile of arcs is drawn and computed, and a fault of an arc is at its field', async () => {
+  const { page, watch } = await visit('#contact?type=profile');
+  await settled(page);
+  const arc = (...numbers) => Object.fromEntries(['radius_mm', 'centre_offset_mm', 'centre_height_mm', 'from_deg', 'to_deg'].map((name, i) => [name, numbers[i]]));
+  const body = (arcs) => ({ cutter: { type: 'profile', arcs, teeth: 4 }, contact: { slope_deg: 40, feed_angle_deg: 30 }, step_over_mm: 0.687, feed_per_tooth_mm: 0.15, model: 'envelope' });
+  assert.equal(await page.locator('#view-contact [data-field="diameter_mm"]').isVisible(), false);
+  assertAnswer((await figures(page)).envelope, await bench().service.post('scallop-height', body([arc(2, 0, 2, 0, 60), arc(40, -32.90897, 21, 60, 85)])), 'profile');
+  assert.ok((await page.locator('#view-contact svg path').count()) > 0);
+  // The profile of a bull-nose cutter has its heights.
+  await field(page, 'arcs').fill('2, 3, 2, 0, 90');
+  await settled(page);
+  const torus = { ...body(), cutter: { type: 'toroidal', diameter_mm: 10, corner_radius_mm: 2, teeth: 4 } };
+  assertAnswer((await figures(page)).envelope, await bench().service.post('scallop-height', torus), 'torus');
+  await field(page, 'arcs').fill('2 0 2 0 60\n1 5 2 10 90');
+  await page.locator('#view-contact [data-field="arcs"] .fault').waitFor();
+  clean(watch, { refused: true });
+});
+
 test('vectors, curvature and runout reach the service', async () => {
   const { page, watch } = await visit('#contact');
   await page.getByText('Vectors', { exact: true }).click();

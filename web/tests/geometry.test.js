@@ -48,6 +48,7 @@ test('the outline of every shape ends at its radius and does not fall', () => {
   const shapes = [
     [{ type: 'tapered_ball', diameter_mm: 2, taper_deg: 5, shank_diameter_mm: 6 }, 3], [{ type: 'lens', diameter_mm: 16, lens_radius_mm: 40, corner_radius_mm: 1 }, 8],
     [{ type: 'oval', diameter_mm: 10, tip_radius_mm: 2, side_radius_mm: 80 }, 5], [{ type: 'conical_barrel', diameter_mm: 10, tip_radius_mm: 2, side_radius_mm: 250, taper_deg: 20 }, 5], [{ type: 'flat_end', diameter_mm: 6 }, 3],
+    [{ type: 'profile', arcs: [{ radius_mm: 2, centre_offset_mm: 0, centre_height_mm: 2, from_deg: 0, to_deg: 60 }, { radius_mm: 0, centre_offset_mm: 4, centre_height_mm: 4.0221, from_deg: 60, to_deg: 90 }] }, 4],
   ];
   for (const [cutter, radius] of shapes) {
     const outline = outlineOf(arcsOf(cutter));

@@ -119,7 +119,7 @@ export function startForTests() {
 export const shell = async (command) => (await promisify(execFile)('sh', ['-c', command], { maxBuffer: 64e6 })).stdout;
 
 /** The input of a field in the view that is shown. */
-export const field = (page, name) => page.locator(`.view:not([hidden]) [data-field="${name}"] input`).first();
+export const field = (page, name) => page.locator(`.view:not([hidden]) [data-field="${name}"] :is(input, textarea)`).first();
 
 /** Asserts that no error was recorded. Browsers log every answer with an error status; `refused` allows these. */
 export const clean = (watch, { refused = false } = {}) => assert.deepEqual(watch.filter((line) => !refused || !/status of 4/.test(line)), []);

@@ -220,6 +220,12 @@ test('Ra of the drawing stands for the tolerance, and what another cutter leaves
   const rest = await find(other);
   assert.deepEqual(rest.request.postDataJSON().rest_of, { cutter: { type: 'ball_end', diameter_mm: 16 } });
   assert.equal(await other.locator('.headline [data-figure="rest_area_share"]').getAttribute('value'), String(rest.answer.rest_area_share));
+  // The cutter before may have any shape.
+  await other.locator('details', { has: other.locator('[data-field="rest_of_type"]') }).evaluate((group) => group.setAttribute('open', ''));
+  await other.locator('[data-field="rest_of_type"] select').selectOption('lens');
+  await field(other, 'rest_of_lens_radius_mm').fill('30');
+  const { request: afterLens } = await find(other);
+  assert.deepEqual(afterLens.postDataJSON().rest_of, { cutter: { type: 'lens', diameter_mm: 16, lens_radius_mm: 30, corner_radius_mm: 2 } });
   clean(watch);
   clean(ofOther);
 });

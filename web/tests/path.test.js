@@ -79,6 +79,11 @@ test('a plan’s program is checked against its part, and a line that was change
   await row.getByRole('button').click();
   assert.match(await page.locator('.excerpt mark').textContent(), new RegExp(`^ *${line} `));
   assert.ok(await page.locator('[aria-label="Map of the check"] canvas:not(.solid)').isVisible());
+  // Ra of a drawing stands for a height: 3.2 um for 12.47 um.
+  await page.locator('#path-check [data-field="tolerance_form"]').getByText('Ra', { exact: true }).click();
+  await page.locator('#path-check [data-field="ra_um"] input').fill('3.2');
+  await page.locator('#path-check').getByRole('button', { name: 'Check the program' }).click();
+  await page.locator('#path-check .verdict').getByText(/12\.47 µm/).waitFor();
   // A program that cannot be read is refused with its line, at the program.
   await page.locator('#check-program').setInputFiles(fileOf('cycle.nc', 'G21 G90\nG0 X0 Y0 Z10\nG81 X1 Y1 Z-1 R1 F100\n'));
   await page.locator('#path-check').getByRole('button', { name: 'Check the program' }).click();

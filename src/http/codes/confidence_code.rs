@@ -34,7 +34,7 @@ codes! {
         UnitUnlikely = "unit-unlikely": "The size of the part suggests that its file is in another unit", "State unit.";
         OverTolerance = "over-tolerance": "Part of the area that the cutter reaches is left over the scallop height", "Look at the map of scallop heights; finish that part in a second operation.";
         AssumedPathFeed = "assumed-path-feed": "Part of the path states no feed rate", "State the feed rates of the path.";
-        CornersNotTimed = "corners-not-timed": "The machine has no path tolerance, and corners take no time", "State path_tolerance_mm of the machine.";
+        CornersNotTimed = "corners-not-timed": "The machine has no path tolerance: corners of up to 45° take no time", "State path_tolerance_mm of the machine.";
         Gouge = "gouge": "The path cuts into the part", "Look at the passes near the deepest cut; export the surface with a finer tolerance.";
     }
 }

@@ -18,8 +18,8 @@ answer! {
         pub(super) cutting_length_mm: f64 [minimum = 0],
         /// The length of the rapid moves.
         pub(super) rapid_length_mm: f64 [minimum = 0],
-        /// The time of all moves, from stop to stop, where moves at the feed rate and rapid moves meet: corners are rounded
-        /// within the machine's path tolerance, or take no time if none is stated.
+        /// The time of all moves. The control stops where moves at the feed rate and rapid moves meet; it rounds corners
+        /// within the machine's path tolerance, or, if none is stated, stops in those of more than 45°.
         pub(super) machining_time_s: f64 [minimum = 0],
         /// The material left over the selected area that is seen from above, along its normal; negative where the part is
         /// cut. Absent if the path comes over no place.
