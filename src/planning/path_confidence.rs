@@ -68,7 +68,10 @@ impl fmt::Display for Reason<PathWeakness> {
                 write!(f, "{:.2} % of the length has no feed rate and is timed at the machine's", 100.0 * figure)
             }
             PathWeakness::CornersNotTimed => {
-                write!(f, "{figure:.1} moves from stop to stop, between which the control slows down in no corner; state path_tolerance_mm of the machine")
+                write!(
+                    f,
+                    "{figure:.1} moves from stop to stop, between which the control slows down in no corner; state path_tolerance_mm of the machine"
+                )
             }
         }
     }
