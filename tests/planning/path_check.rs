@@ -237,13 +237,19 @@ async fn lines_edited_by_hand_are_named() {
         })
         .collect();
     let answer = app.answer(PATH_CHECK, &check(&edited.join("\n"))).await;
-    let named = |code: &str| -> Vec<u64> {
+    let named_in = |answer: &Value, code: &str| -> Vec<u64> {
         let places = answer["places"].as_array().unwrap().iter();
         places.filter(|place| place["code"] == code).filter_map(|place| place["line"].as_u64()).collect()
     };
+    let named = |code: &str| named_in(&answer, code);
     // Lines count from 1, and two were added at the first.
     assert!(named("over-tolerance").contains(&(raised as u64 + 2)), "{} {:?}", raised + 2, answer["places"]);
     assert!(named("feed-too-high").contains(&(hurried as u64 + 3)), "{} {:?}", hurried + 3, answer["places"]);
+    assert!(named("feed-over-limit").is_empty());
+    // A machine of 5000 mm/min, for which the plan itself is too fast as well.
+    let slower = with(check(&edited.join("\n")), json!({"machine": {"preset": "five_axis_vmc"}}));
+    let over = named_in(&app.answer(PATH_CHECK, &slower).await, "feed-over-limit");
+    assert!(over.len() == 2 && over.contains(&(hurried as u64 + 3)), "{over:?}");
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -73,7 +73,7 @@ function strokeMoves(context, place, { x, y, isRapid, operation: operations, cou
 }
 
 /** The colours of places by their code. */
-export const PLACES = { gouge: '#c21f2e', collision: '#c21f2e', 'over-tolerance': '#e0701f', 'feed-too-high': '#b58a00', uncut: '#7a2f86' };
+export const PLACES = { gouge: '#c21f2e', collision: '#c21f2e', 'over-tolerance': '#e0701f', 'feed-too-high': '#b58a00', 'feed-over-limit': '#b58a00', uncut: '#7a2f86' };
 
 /** Dots at the places [{code, point_mm}]. */
 export function drawPlaces(context, place, places) {

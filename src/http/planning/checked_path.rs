@@ -3,7 +3,7 @@
 use super::confidence_answer::ConfidenceAnswer;
 use super::map::PathMapAnswer;
 use super::parameters::{DEFAULT_MAX_SLOPE, FACING, MAX_SLOPE, SELECT};
-use super::path_check_answer::{GougeAnswer, PathCheckAnswer, PlaceAnswer, ResidualAnswer, StandardErrors};
+use super::path_check_answer::{GougeAnswer, PathCheckAnswer, PlaceAnswer, PlaceCode, ResidualAnswer, StandardErrors};
 use super::path_cutters::{CuttersByNumber, PATH_CUTTER, PATH_CUTTERS, PathCutters};
 use super::path_feeds::PathMoves;
 use super::path_object::{PATH, StatedPath};
@@ -41,6 +41,9 @@ pub(in crate::http) const FEED_PLACES: usize = 200_000;
 
 /// Tooth marks are looked for up to this height in tolerances.
 const HIGHEST_MARK: f64 = 10.0;
+
+/// The most feed rates over a limit that are listed.
+const MOST_OVER_LIMITS: usize = 10;
 
 /// The share of the tolerance under which a move cuts nothing.
 const IDLE: f64 = 0.1;
@@ -255,9 +258,17 @@ impl PathToCheck {
                 line: by.map(|by| program.points[points[by]].line).filter(|line| *line > 0),
             }
         };
-        let found = self
-            .includes(PathPart::Places)
-            .then(|| findings(&finish, &places, &marked, tolerance, smallest).into_iter().map(place).collect());
+        let too_fast = |at: usize| PlaceAnswer {
+            code: PlaceCode::FeedOverLimit,
+            point_mm: moves[at].to,
+            value_mm: None,
+            r#move: Some(at),
+            line: Some(program.points[points[at]].line).filter(|line| *line > 0),
+        };
+        let found = self.includes(PathPart::Places).then(|| {
+            let over_limits = of_path.over_limits().into_iter().take(MOST_OVER_LIMITS).map(too_fast);
+            findings(&finish, &places, &marked, tolerance, smallest).into_iter().map(place).chain(over_limits).collect()
+        });
         let confidence = Confidence::in_path(&self.evidence(&moves, &points));
         let includes_feeds = self.includes(PathPart::Feeds);
         let warnings = std::mem::take(&mut self.warnings);

@@ -44,9 +44,9 @@ answer! {
         /// The length of the moves at the feed rate that take nothing over a tenth of the tolerance off what the moves before
         /// them left on the selected area. Moves near one that cuts count as cutting.
         pub(super) idle_length_mm: f64 [minimum = 0],
-        /// The worst places of each kind, at most a hundred, no two of a kind closer than the cutter's radius; with `places` in
-        /// `include`, or without `include`.
-        pub(super) places?: Vec<PlaceAnswer> [max_items = 100],
+        /// The worst places of each kind, at most a hundred, no two of a kind closer than the cutter's radius, and at most ten
+        /// feed rates over a limit; with `places` in `include`, or without `include`.
+        pub(super) places?: Vec<PlaceAnswer> [max_items = 110],
         /// The surface as a raster; with `map` in `include`.
         pub(super) map?: PathMapAnswer,
         /// The largest feeds that keep the tolerance; with `feeds` in `include`.
@@ -100,7 +100,7 @@ answer! {
         pub(super) code: PlaceCode,
         /// The place on the surface.
         pub(super) point_mm: [f64; 3] [min_items = 3, max_items = 3],
-        /// What is left there, negative in a cut; absent where it is uncut.
+        /// What is left there, negative in a cut; absent where it is uncut, and of `feed-over-limit`.
         pub(super) value_mm?: f64,
         /// The index of a move, from 0: of a cut the one that cuts deepest, elsewhere the one that was to finish the place. Absent
         /// where it is uncut.
@@ -125,6 +125,9 @@ pub(super) enum PlaceCode {
     FeedTooHigh,
     /// No move comes over a place that the cutter can reach.
     Uncut,
+    /// The first move of a tool with a feed rate over the machine's or the cutter's limit; the machine's is kept. The place is
+    /// the end of the move.
+    FeedOverLimit,
 }
 
 impl From<FindingKind> for PlaceCode {

@@ -6,7 +6,11 @@ use crate::motion::Machine;
 use crate::path::program::{Program, ProgramPoint};
 use crate::path::{LargestFeeds, Move, MoveKind, Passage, PathLengths, Place, smooth};
 use crate::planning::machined_surface::Stop;
-use crate::quantity::{Length, Speed, SpindleSpeed};
+use crate::quantity::{Speed, SpindleSpeed};
+use std::collections::BTreeSet;
+
+/// Programs state feed rates in a few digits.
+const ROUNDING: f64 = 1.0 + 1e-4;
 
 answer! {
     /// The largest feeds with which tooth marks keep the tolerance where the path does, within the limits of machine and
@@ -81,6 +85,25 @@ impl PathMoves<'_> {
         (0..self.moves.len()).map(of).collect()
     }
 
+    /// The first move of each tool with each feed rate that is over the machine's or the cutter's limit.
+    pub(super) fn over_limits(&self) -> Vec<usize> {
+        let mut seen = BTreeSet::new();
+        let is_first = |at: &usize| {
+            let point = self.point_of(*at);
+            let Some(stated) = point.feed_rate.filter(|_| self.moves[*at].kind != MoveKind::Rapid) else { return false };
+            stated > ROUNDING * self.largest_allowed(*at).mm_min() && seen.insert((point.tool, stated.to_bits()))
+        };
+        (0..self.moves.len()).filter(is_first).collect()
+    }
+
+    /// The largest feed rate that the machine and the cutter allow.
+    fn largest_allowed(&self, at: usize) -> Speed {
+        let by_machine = self.machine.limits.feed_rate;
+        let by_tooth = self.cutters.of_tool(self.point_of(at).tool).max_feed_per_tooth;
+        let by_cutter = by_tooth.zip(self.teeth_per_second(at)).map(|(per_tooth, teeth)| Speed::computed(per_tooth.mm() * teeth));
+        by_cutter.filter(|by_cutter| *by_cutter < by_machine).unwrap_or(by_machine)
+    }
+
     /// Whether teeth and spindle speed of all moves at the feed rate are known.
     pub(super) fn has_teeth(&self) -> bool {
         (0..self.moves.len()).all(|at| self.moves[at].kind == MoveKind::Rapid || self.teeth_per_second(at).is_some())
@@ -90,12 +113,8 @@ impl PathMoves<'_> {
     pub(super) fn largest(&self, passage: &Passage<'_>, places: &[Place], tolerance: f64, stop: Stop) -> Option<PathFeeds> {
         let found = LargestFeeds::new(passage, places, tolerance, stop)?;
         let teeth: Vec<f64> = (0..self.moves.len()).map(|at| self.teeth_per_second(at).unwrap_or(f64::INFINITY)).collect();
-        let most = self.machine.limits.feed_rate.mm_s();
-        let rate = |at: usize| {
-            let by_cutter = self.cutters.of_tool(self.point_of(at).tool).max_feed_per_tooth.map_or(f64::INFINITY, Length::mm);
-            // A feed of 1 mm/min is the least that is answered.
-            (found.per_tooth[at].min(by_cutter) * teeth[at]).clamp(1.0 / 60.0, most)
-        };
+        // A feed of 1 mm/min is the least that is answered.
+        let rate = |at: usize| (found.per_tooth[at] * teeth[at]).min(self.largest_allowed(at).mm_s()).max(1.0 / 60.0);
         let mut speeds: Vec<Speed> = (0..self.moves.len()).map(rate).map(Speed::computed).collect();
         smooth(self.moves, &mut speeds, self.machine.limits);
         let lengths = PathLengths::new(self.moves, &speeds, self.machine);

@@ -334,7 +334,7 @@ class PathCheckParameters(TypedDict, total=False):
 class PathPlace(TypedDict, total=False):
     """A place where a path leaves too much or cuts too deep; `move` and `line` are absent where no move comes over it."""
 
-    code: Literal["collision", "gouge", "over-tolerance", "feed-too-high", "uncut"]
+    code: Literal["collision", "gouge", "over-tolerance", "feed-too-high", "uncut", "feed-over-limit"]
     point_mm: List[float]
     value_mm: float
     move: int
