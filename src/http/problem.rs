@@ -44,6 +44,11 @@ impl Problem {
         }))
     }
 
+    /// The name of its type.
+    pub(crate) fn kind(&self) -> &'static str {
+        self.0.kind.name()
+    }
+
     /// The problem as JSON, in the answer to the request with this path and id.
     pub(crate) fn written(self, instance: &str, request_id: &RequestId) -> Vec<u8> {
         let body = ProblemBody { instance: instance.to_owned(), request_id: request_id.as_str().to_owned(), ..*self.0 };
@@ -124,7 +129,7 @@ impl Problem {
     /// The problem for an error response that has only a status.
     pub(crate) fn of_status(status: StatusCode) -> Self {
         let (kind, detail) = match status {
-            StatusCode::BAD_REQUEST => (ServiceProblem::MalformedRequest, "the request could not be read"),
+            StatusCode::BAD_REQUEST => (ServiceProblem::MalformedRequest, "the request could not be read as HTTP/1.1"),
             StatusCode::NOT_FOUND => (ServiceProblem::NotFound, "no such path; /docs lists all paths"),
             StatusCode::METHOD_NOT_ALLOWED => (ServiceProblem::MethodNotAllowed, "the header Allow lists the methods of this path"),
             StatusCode::REQUEST_TIMEOUT => (ServiceProblem::Timeout, "the request was not complete in time"),
@@ -188,7 +193,7 @@ pub(crate) struct Refusal {
 impl Refusal {
     fn of(problem: &Problem) -> Self {
         let fault = problem.0.errors.first().map(|fault| (fault.code.name(), fault.pointer.clone()));
-        Self { problem: problem.0.kind.name(), fault }
+        Self { problem: problem.kind(), fault }
     }
 }
 

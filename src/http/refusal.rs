@@ -19,7 +19,9 @@ pub(super) fn refuse(status: StatusCode, metrics: &Metrics) -> Vec<u8> {
     let id = RequestId::create();
     metrics.began();
     metrics.ended(UNREAD, &ROUTE, status.as_u16(), Duration::ZERO);
-    let body = Problem::of_status(status).written("", &id);
+    let problem = Problem::of_status(status);
+    let kind = problem.kind();
+    let body = problem.written("", &id);
     // The memory for heads is used up at this moment only.
     let retry = if status == StatusCode::SERVICE_UNAVAILABLE { "retry-after: 1\r\n" } else { "" };
     let head = format!(
@@ -33,6 +35,7 @@ pub(super) fn refuse(status: StatusCode, metrics: &Metrics) -> Vec<u8> {
         route = UNREAD,
         status = status.as_u16(),
         response_bytes = body.len(),
+        problem = kind,
         "request"
     );
     [head.into_bytes(), body].concat()

@@ -41,11 +41,17 @@ async fn misplaced_members_are_told_where_they_belong() {
             "/v1/cutter-recommendation",
             &json!({
                 "surface": {"points": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}, "scallop_height_mm": 0.01, "machine": "vmc",
-                "cutters": [{"type": "ball_end", "diameter_mm": 6}], "spindle_speed_rpm": 10_000,
+                "cutters": [{"type": "ball_end", "diameter_mm": 6}], "spindle_speed_rpm": 10_000, "feed_rate_mm_min": 3000,
             }),
         )
         .await;
     assert_eq!(detail(&problem, "/spindle_speed_rpm"), "spindle_speed_rpm belongs in cutters/0, not here");
+    // Members beside the name of a preset, and those of a mesh beside its points.
+    assert_eq!(detail(&problem, "/feed_rate_mm_min"), "feed_rate_mm_min belongs in machine, not here");
+    let surface = json!({"points": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]]});
+    let job = json!({"surface": surface, "scallop_height_mm": 0.01, "machine": "vmc", "cutters": [{"type": "ball_end", "diameter_mm": 6}]});
+    let problem = app.refusal("/v1/cutter-recommendation", &job).await;
+    assert_eq!(detail(&problem, "/surface/triangles"), "triangles belongs in surface/mesh, not here");
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -97,7 +97,7 @@ impl Faults {
     }
 
     /// Records the names that the object at `path` may have, for the faults of misplaced members.
-    pub(super) fn object_knows(&mut self, path: &JsonPath<'_>, names: Vec<&'static str>) {
+    pub(crate) fn object_knows(&mut self, path: &JsonPath<'_>, names: Vec<&'static str>) {
         if path.is_outer() {
             self.objects.push((path.to_string(), names));
         }

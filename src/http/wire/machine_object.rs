@@ -2,7 +2,7 @@
 //! overridden. Rapid rate, spindle speed and clearance are optional.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Quantity, members, text};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Members, Quantity, members, text};
 use crate::motion::{self, MachineLimits, PRESETS, Preset};
 use crate::quantity::{Acceleration, Jerk, Length, OutOfRange, Speed, SpindleSpeed, Time};
 use serde_json::value::RawValue;
@@ -46,6 +46,8 @@ impl Kind for MachineKind {
 
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<motion::Machine, Faulted> {
         if raw.get().starts_with('"') {
+            // Members that stand beside the preset belong in an object.
+            faults.object_knows(&path, MachineMembers::names().collect());
             return PresetName.read(raw, path, faults).map(|preset| preset.limits.into());
         }
         MachineObject.read(raw, path, faults)

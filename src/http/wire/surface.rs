@@ -44,6 +44,9 @@ impl Kind for StatedSurface {
     fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
         let mut object = Object::open(raw, path, faults)?;
         let forms = [POINTS.name, GRID.name, MESH.name, BEZIER.name].map(|form| object.has(form));
+        // Members that stand beside a form belong in it.
+        faults.object_knows(&path.member(MESH.name), vec![TRIANGLES.name]);
+        faults.object_knows(&path.member(GRID.name), vec![ROWS.name, COLUMNS.name]);
         let surface = match forms {
             [true, false, false, false] => points(&mut object, faults),
             [false, true, false, false] => object.required(&GRID, faults).map(|surface| SurfaceWithSource::stated(surface, Source::Grid)),
