@@ -15,7 +15,7 @@ pub(crate) const MACHINE: Member<MachineKind> =
 
 members! {
     /// The members of a machine.
-    pub(crate) struct MachineMembers for MachineObject ("MachineMembers", "A machine: a preset's name, or all three limits; limits beside a preset override its own") -> motion::Machine {
+    pub(crate) struct MachineMembers for MachineObject ("Machine", "A machine: a preset's name, or all three limits; limits beside a preset override its own") -> motion::Machine {
         preset: optional PRESET: PresetName = ("preset", PresetName, "the name of a machine that GET /v1/machines lists"),
         feed_rate: optional FEED_RATE: Quantity<Speed> = ("feed_rate_mm_min", Quantity::new(Speed::from_mm_min, 5000.0),
             "V, the programmed feed rate in mm/min"),
