@@ -15,19 +15,23 @@ use super::spread::{Allowed, Spread};
 use super::stations::Station;
 use super::tour::Tour;
 use super::workpiece::Workpiece;
-use crate::milling::Profile;
 use crate::path::{Milled, Sampling};
 use crate::quantity::Length;
 use std::cell::{Cell, OnceCell};
 use std::ops::RangeInclusive;
 
-/// The share of the scallop height by which chords between tips may differ from the tips' surface.
+/// The share of the scallop height by which chords between tips may differ from the tips' surface; in a draft, for which coarse
+/// tips suffice, and in a plan.
+const DRAFT_CHORD_SHARE: f64 = 0.3;
 pub(super) const CHORD_SHARE: f64 = 0.1;
 
 /// The fewest and the most rounds in which lines move on finely sampled tips. After the fewest, a round is followed by another while
-/// the scallop height is not kept, or if it has made the plan better by this share.
-const FINE_ROUNDS: RangeInclusive<usize> = 3..=5;
+/// the scallop height is not kept, or if it has made a plan that keeps it better by this share.
+pub(super) const FINE_ROUNDS: RangeInclusive<usize> = 3..=5;
 const WORTHWHILE: f64 = 0.01;
+
+/// The rounds of a plan that will not be the fastest.
+pub(super) const ROUNDS_BEHIND: RangeInclusive<usize> = 1..=3;
 
 /// The most samples of a path's lines, some four seconds on two threads.
 const MOST_SAMPLES: usize = 4_000_000;
@@ -101,7 +105,8 @@ impl Planner<'_> {
         let Self { workpiece, prepared, settings, stations, .. } = *self;
         let spread = Spread::new(workpiece, stations, prepared, &family, settings.scallop_height.mm());
         let allowed = Allowed::of(&spread, &prepared.candidate, settings.left_out_share);
-        let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, Sampling::coarse, 1..=1)?;
+        let coarse = Sampling::coarse(&prepared.profile, DRAFT_CHORD_SHARE * settings.scallop_height.mm());
+        let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, coarse, 1..=1)?;
         let lines = next.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?.len();
         let (seconds, before) = (plan.tour.figures.seconds, plan.lines.len());
         if plan.finish.far_over_share <= ENOUGH && lines >= before {
@@ -114,16 +119,17 @@ impl Planner<'_> {
 
     /// The plan of a draft, finely sampled, with the figures of stations on which it was not spaced. If it does not keep the scallop
     /// height there, it is spaced on these too, and judged on others.
-    pub(super) fn finished(&self, draft: Draft) -> Result<MilledPlan, NoPlan> {
+    pub(super) fn finished(&self, draft: Draft, rounds: RangeInclusive<usize>) -> Result<MilledPlan, NoPlan> {
         let Draft { family, spread, allowed, .. } = draft;
-        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, Sampling::fine, FINE_ROUNDS)?;
+        let fine = Sampling::fine(&self.prepared.profile, CHORD_SHARE * self.settings.scallop_height.mm());
+        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, rounds.clone())?;
         let unseen = (self.further)(Set::Unseen);
         let plan = self.measured(&unseen, plan)?;
         if plan.finish.far_over_share <= UNSEEN_ENOUGH {
             return Ok(plan);
         }
         let both: Vec<Station> = self.stations.iter().copied().chain(unseen).collect();
-        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, Sampling::fine, FINE_ROUNDS)?;
+        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, fine, rounds)?;
         self.measured(&(self.further)(Set::Last), plan)
     }
 
@@ -134,12 +140,11 @@ impl Planner<'_> {
         family: Family,
         spread: &Spread,
         mut allowed: Allowed,
-        sampling: fn(&Profile, f64) -> Sampling,
+        sampling: Sampling,
         rounds: RangeInclusive<usize>,
     ) -> Result<Spaced, NoPlan> {
         let Self { workpiece, prepared, settings, region, stop, .. } = *self;
         let height = settings.scallop_height.mm();
-        let sampling = sampling(&prepared.profile, CHORD_SHARE * height);
         let maker = self.line_maker(&family, spread, sampling);
         let mut best: Option<Spaced> = None;
         for round in 1..=*rounds.end() {
@@ -167,7 +172,7 @@ impl Planner<'_> {
             let margin = if round <= *rounds.start() { 0.995 } else { 0.97 };
             let of_round = allowed.clone();
             respace(&mut allowed, &lines, &family, stations, &plan.judged, height, margin);
-            let is_enough = round >= *rounds.start() && !is_worthwhile(best.as_ref().map(|best| rank_of(&best.plan)), &plan);
+            let is_enough = round >= *rounds.start() && !is_worthwhile(best.as_ref().map(|best| &best.plan), &plan);
             if best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(&best.plan)) {
                 best = Some(Spaced { plan, allowed: of_round, next: allowed.clone() });
             }
@@ -255,8 +260,9 @@ fn rank_of(plan: &MilledPlan) -> f64 {
     plan.tour.figures.seconds * (plan.finish.far_over_share / ENOUGH).max(1.0)
 }
 
-/// Whether another round is worth its time after this one and earlier ones with the best rank `before`: as long as the scallop height
-/// is not kept, and while plans get better.
-fn is_worthwhile(before: Option<f64>, this: &MilledPlan) -> bool {
-    this.finish.far_over_share > ENOUGH || before.is_some_and(|before| rank_of(this) < (1.0 - WORTHWHILE) * before)
+/// Whether another round is worth its time after this one, `before` being the best of the earlier ones: as long as the scallop
+/// height is not kept, and while plans that keep it get better.
+fn is_worthwhile(before: Option<&MilledPlan>, this: &MilledPlan) -> bool {
+    let keeps = |plan: &MilledPlan| plan.finish.far_over_share <= ENOUGH;
+    !keeps(this) || before.is_some_and(|before| keeps(before) && rank_of(this) < (1.0 - WORTHWHILE) * rank_of(before))
 }

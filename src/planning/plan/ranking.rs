@@ -6,7 +6,7 @@ use super::candidate_plan::{CandidatePlan, KEPT, MilledFigures, PlannedPath};
 use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
-use super::milled_plan::{Draft, MilledPlan, NoPlan, Planner};
+use super::milled_plan::{Draft, FINE_ROUNDS, MilledPlan, NoPlan, Planner, ROUNDS_BEHIND};
 use super::operations::{OperationsPlan, operations};
 use super::prepared::{Prepared, rows_of};
 use super::region::Region;
@@ -38,6 +38,10 @@ const ONE_DIRECTION: usize = 3_000_000;
 /// is not.
 const MOST_MILLED: usize = 3;
 const MILLED_WITHIN: f64 = 1.15;
+
+/// A candidate whose first draft takes longer by this factor than a plan that keeps the scallop height is drafted in no other
+/// direction, and its lines are moved in fewer rounds.
+const BEHIND: f64 = 1.15;
 
 /// The smallest angle between milled directions in deg. Nearer ones have nearly the same lines.
 const MILLED_APART: f64 = 2.0;
@@ -228,7 +232,7 @@ pub fn rank(
             samples: &samples,
             stop,
         };
-        let Directed { best, times, is_too_long } = in_best_direction(&planner, of_candidate.to_mill(&along_part))?;
+        let Directed { best, times, is_too_long } = in_best_direction(&planner, of_candidate.to_mill(&along_part), fastest_of(&plans))?;
         match best {
             Some(best) => plans.push(of_candidate.milled(workpiece, settings, best, &times)),
             None if is_too_long => plans.push(of_candidate.unmilled(workpiece, settings)),
@@ -258,11 +262,18 @@ struct Directed {
     is_too_long: bool,
 }
 
-/// Drafts the plans of a candidate in these directions, as long as its paths are short enough for further ones, and finishes the
-/// best; `None` once `stop` returns true.
-fn in_best_direction(planner: &Planner, directions: Vec<Angle>) -> Option<Directed> {
+/// The shortest time in s of the plans that keep the scallop height; infinite without any.
+fn fastest_of(plans: &[CandidatePlan]) -> f64 {
+    let kept = plans.iter().filter(|plan| plan.milled.is_some_and(|milled| milled.finish.far_over_share <= KEPT));
+    kept.map(|plan| plan.time.seconds()).fold(f64::INFINITY, f64::min)
+}
+
+/// Drafts the plans of a candidate in these directions, as long as its paths are short enough for further ones and it is not behind
+/// another one that takes `fastest` seconds, and finishes the best; `None` once `stop` returns true.
+fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) -> Option<Directed> {
     let mut directed = Directed { best: None, times: Vec::new(), is_too_long: false };
     let mut best: Option<(Angle, Draft)> = None;
+    let is_behind = |best: &Option<(Angle, Draft)>| best.as_ref().is_some_and(|(_, draft)| draft.seconds > BEHIND * fastest);
     for direction in directions {
         let before = planner.samples.get();
         let draft = planner.draft(Family::Planes(Heading::of(direction.radians())));
@@ -273,7 +284,7 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>) -> Option<Direct
                 if best.as_ref().is_none_or(|(_, best)| draft.seconds < best.seconds) {
                     best = Some((direction, draft));
                 }
-                if after - before > ONE_DIRECTION || after >= MOST_SAMPLES {
+                if after - before > ONE_DIRECTION || after >= MOST_SAMPLES || is_behind(&best) {
                     break;
                 }
             }
@@ -286,7 +297,8 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>) -> Option<Direct
         }
     }
     let Some((direction, draft)) = best else { return Some(directed) };
-    match planner.finished(draft) {
+    let rounds = if draft.seconds > BEHIND * fastest { ROUNDS_BEHIND } else { FINE_ROUNDS };
+    match planner.finished(draft, rounds) {
         Ok(plan) => {
             let time = Time::computed(plan.tour.figures.seconds);
             directed.times.retain(|(other, _)| *other != direction);
