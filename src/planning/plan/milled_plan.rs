@@ -2,6 +2,7 @@
 //! the scallop height is kept and used.
 
 use super::border::Feet;
+use super::candidate_plan::KEPT;
 use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
 use super::family::Family;
@@ -27,11 +28,11 @@ pub(super) const CHORD_SHARE: f64 = 0.1;
 
 /// The fewest and the most rounds in which lines move on finely sampled tips. After the fewest, a round is followed by another while
 /// the scallop height is not kept, or if it has made a plan that keeps it better by this share.
-pub(super) const FINE_ROUNDS: RangeInclusive<usize> = 3..=5;
+pub(super) const FINE_ROUNDS: RangeInclusive<usize> = 2..=5;
 const WORTHWHILE: f64 = 0.01;
 
 /// The rounds of a plan that will not be the fastest.
-pub(super) const ROUNDS_BEHIND: RangeInclusive<usize> = 1..=3;
+pub(super) const ROUNDS_BEHIND: RangeInclusive<usize> = 1..=2;
 
 /// The most samples of a path's lines, some four seconds on two threads.
 const MOST_SAMPLES: usize = 4_000_000;
@@ -125,7 +126,8 @@ impl Planner<'_> {
         let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, rounds.clone())?;
         let unseen = (self.further)(Set::Unseen);
         let plan = self.measured(&unseen, plan)?;
-        if plan.finish.far_over_share <= UNSEEN_ENOUGH {
+        let enough = if rounds == ROUNDS_BEHIND { KEPT } else { UNSEEN_ENOUGH };
+        if plan.finish.far_over_share <= enough {
             return Ok(plan);
         }
         let both: Vec<Station> = self.stations.iter().copied().chain(unseen).collect();
