@@ -26,22 +26,30 @@ use std::ops::RangeInclusive;
 const DRAFT_CHORD_SHARE: f64 = 0.3;
 pub(super) const CHORD_SHARE: f64 = 0.1;
 
-/// The fewest and the most rounds in which lines move on finely sampled tips. After the fewest, a round is followed by another while
-/// the scallop height is not kept, or if it has made a plan that keeps it better by this share.
-pub(super) const FINE_ROUNDS: RangeInclusive<usize> = 2..=5;
-const WORTHWHILE: f64 = 0.01;
+/// How long the lines of a plan are moved.
+#[derive(Debug, Clone)]
+pub(super) struct Effort {
+    /// The fewest and the most rounds. After the fewest, another one follows while the scallop height is not kept.
+    rounds: RangeInclusive<usize>,
+    /// The share of the lines that another round must spare to be worth its time.
+    spared: f64,
+    /// The share of the area that may be far over the scallop height at stations on which lines were not spaced.
+    enough: f64,
+}
 
-/// The rounds of a plan that will not be the fastest.
-pub(super) const ROUNDS_BEHIND: RangeInclusive<usize> = 1..=2;
+impl Effort {
+    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, enough: 1.0 };
+    /// Of a plan that may be the fastest.
+    pub(super) const FULL: Self = Self { rounds: 2..=5, spared: 0.005, enough: 0.003 };
+    /// Of one that will not be.
+    pub(super) const LITTLE: Self = Self { rounds: 1..=2, spared: 1.0, enough: KEPT };
+}
 
 /// The most samples of a path's lines, some four seconds on two threads.
 const MOST_SAMPLES: usize = 4_000_000;
 
 /// A plan keeps the scallop height where this share of the area, at most, is far over it: of two that do, the faster one is taken.
 const ENOUGH: f64 = 0.002;
-
-/// The share up to which it counts as kept on stations on which lines were not spaced.
-const UNSEEN_ENOUGH: f64 = 0.003;
 
 /// The plan of a candidate with one family of lines.
 #[derive(Debug, Clone)]
@@ -107,7 +115,7 @@ impl Planner<'_> {
         let spread = Spread::new(workpiece, stations, prepared, &family, settings.scallop_height.mm());
         let allowed = Allowed::of(&spread, &prepared.candidate, settings.left_out_share);
         let coarse = Sampling::coarse(&prepared.profile, DRAFT_CHORD_SHARE * settings.scallop_height.mm());
-        let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, coarse, 1..=1)?;
+        let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, coarse, &Effort::DRAFT)?;
         let lines = next.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?.len();
         let (seconds, before) = (plan.tour.figures.seconds, plan.lines.len());
         if plan.finish.far_over_share <= ENOUGH && lines >= before {
@@ -120,18 +128,17 @@ impl Planner<'_> {
 
     /// The plan of a draft, finely sampled, with the figures of stations on which it was not spaced. If it does not keep the scallop
     /// height there, it is spaced on these too, and judged on others.
-    pub(super) fn finished(&self, draft: Draft, rounds: RangeInclusive<usize>) -> Result<MilledPlan, NoPlan> {
+    pub(super) fn finished(&self, draft: Draft, effort: &Effort) -> Result<MilledPlan, NoPlan> {
         let Draft { family, spread, allowed, .. } = draft;
         let fine = Sampling::fine(&self.prepared.profile, CHORD_SHARE * self.settings.scallop_height.mm());
-        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, rounds.clone())?;
+        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, effort)?;
         let unseen = (self.further)(Set::Unseen);
         let plan = self.measured(&unseen, plan)?;
-        let enough = if rounds == ROUNDS_BEHIND { KEPT } else { UNSEEN_ENOUGH };
-        if plan.finish.far_over_share <= enough {
+        if plan.finish.far_over_share <= effort.enough {
             return Ok(plan);
         }
         let both: Vec<Station> = self.stations.iter().copied().chain(unseen).collect();
-        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, fine, rounds)?;
+        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, fine, effort)?;
         self.measured(&(self.further)(Set::Last), plan)
     }
 
@@ -143,13 +150,13 @@ impl Planner<'_> {
         spread: &Spread,
         mut allowed: Allowed,
         sampling: Sampling,
-        rounds: RangeInclusive<usize>,
+        effort: &Effort,
     ) -> Result<Spaced, NoPlan> {
         let Self { workpiece, prepared, settings, region, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let maker = self.line_maker(&family, spread, sampling);
         let mut best: Option<Spaced> = None;
-        for round in 1..=*rounds.end() {
+        for round in 1..=*effort.rounds.end() {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
             let mut runs = maker.runs(&lines, self.samples)?;
             if stop() {
@@ -171,10 +178,11 @@ impl Planner<'_> {
                 }
             }
             // Where a few rounds do not keep the scallop height, places between the stations are the reason.
-            let margin = if round <= *rounds.start() { 0.995 } else { 0.97 };
+            let margin = if round <= *effort.rounds.start() { 0.995 } else { 0.97 };
             let of_round = allowed.clone();
             respace(&mut allowed, &lines, &family, stations, &plan.judged, height, margin);
-            let is_enough = round >= *rounds.start() && !is_worthwhile(best.as_ref().map(|best| &best.plan), &plan);
+            let is_enough = round >= *effort.rounds.start()
+                && !is_worthwhile(&plan, allowed.lines(spread.range, MOST_LINES).map_or(usize::MAX, |next| next.len()), effort);
             if best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(&best.plan)) {
                 best = Some(Spaced { plan, allowed: of_round, next: allowed.clone() });
             }
@@ -262,9 +270,8 @@ fn rank_of(plan: &MilledPlan) -> f64 {
     plan.tour.figures.seconds * (plan.finish.far_over_share / ENOUGH).max(1.0)
 }
 
-/// Whether another round is worth its time after this one, `before` being the best of the earlier ones: as long as the scallop
-/// height is not kept, and while plans that keep it get better.
-fn is_worthwhile(before: Option<&MilledPlan>, this: &MilledPlan) -> bool {
-    let keeps = |plan: &MilledPlan| plan.finish.far_over_share <= ENOUGH;
-    !keeps(this) || before.is_some_and(|before| keeps(before) && rank_of(this) < (1.0 - WORTHWHILE) * rank_of(before))
+/// Whether another round with `next` lines is worth its time after this one.
+#[expect(clippy::cast_precision_loss, reason = "counts of lines")]
+fn is_worthwhile(this: &MilledPlan, next: usize, effort: &Effort) -> bool {
+    this.finish.far_over_share > ENOUGH || (next as f64) < (1.0 - effort.spared) * this.lines.len() as f64
 }

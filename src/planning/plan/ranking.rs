@@ -6,7 +6,7 @@ use super::candidate_plan::{CandidatePlan, KEPT, MilledFigures, PlannedPath};
 use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
-use super::milled_plan::{Draft, FINE_ROUNDS, MilledPlan, NoPlan, Planner, ROUNDS_BEHIND};
+use super::milled_plan::{Draft, Effort, MilledPlan, NoPlan, Planner};
 use super::operations::{OperationsPlan, operations};
 use super::prepared::{Prepared, rows_of};
 use super::region::Region;
@@ -297,8 +297,8 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) ->
         }
     }
     let Some((direction, draft)) = best else { return Some(directed) };
-    let rounds = if draft.seconds > BEHIND * fastest { ROUNDS_BEHIND } else { FINE_ROUNDS };
-    match planner.finished(draft, rounds) {
+    let effort = if draft.seconds > BEHIND * fastest { Effort::LITTLE } else { Effort::FULL };
+    match planner.finished(draft, &effort) {
         Ok(plan) => {
             let time = Time::computed(plan.tour.figures.seconds);
             directed.times.retain(|(other, _)| *other != direction);
