@@ -40,7 +40,7 @@ pub(super) struct Effort {
 impl Effort {
     const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, enough: 1.0 };
     /// Of a plan that may be the fastest.
-    pub(super) const FULL: Self = Self { rounds: 2..=5, spared: 0.005, enough: 0.003 };
+    pub(super) const FULL: Self = Self { rounds: 3..=5, spared: 0.005, enough: 0.003 };
     /// Of one that will not be.
     pub(super) const LITTLE: Self = Self { rounds: 1..=2, spared: 1.0, enough: KEPT };
 }
