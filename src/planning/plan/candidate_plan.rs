@@ -9,9 +9,6 @@ use super::workpiece::Workpiece;
 use crate::planning::RectanglePlan;
 use crate::quantity::{Angle, Length, Speed, Time};
 
-/// The share of the area that a path may leave more than 2 % over the scallop height and still keep it.
-pub(super) const KEPT: f64 = 0.005;
-
 /// The plan of one candidate.
 #[derive(Debug, Clone)]
 pub struct CandidatePlan {

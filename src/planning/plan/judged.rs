@@ -82,6 +82,9 @@ pub struct FinishFigures {
     pub gouge: Length,
 }
 
+/// The share of the area that a path may leave more than 2 % over the scallop height and still keep it.
+pub(super) const KEPT: f64 = 0.005;
+
 /// An excess over the scallop height that counts as far over: the chord tolerance and the places' own error.
 const FAR: f64 = 1.02;
 

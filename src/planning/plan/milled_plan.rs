@@ -2,11 +2,10 @@
 //! the scallop height is kept and used.
 
 use super::border::Feet;
-use super::candidate_plan::KEPT;
 use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
 use super::family::Family;
-use super::judged::{FinishFigures, Judged, judged, respace};
+use super::judged::{FinishFigures, Judged, KEPT, judged, respace};
 use super::levels::LevelMaker;
 use super::prepared::Prepared;
 use super::region::Region;

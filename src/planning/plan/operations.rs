@@ -3,11 +3,11 @@
 
 use super::arrangement::{Arrangement, Arranger, Planned, Tool};
 use super::candidate::CandidateCutter;
-use super::candidate_plan::{CandidatePlan, KEPT, MilledFigures, PlannedPath};
+use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
 use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
 use super::estimate::least_seconds;
 use super::family::Family;
-use super::judged::{FinishFigures, Judged, judged};
+use super::judged::{FinishFigures, Judged, KEPT, judged};
 use super::milled_plan::{Effort, NoPlan, Planner};
 use super::prepared::{Prepared, rows_of};
 use super::region::Region;

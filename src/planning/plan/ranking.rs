@@ -2,10 +2,11 @@
 //! of the tips' path.
 
 use super::candidate::CandidateCutter;
-use super::candidate_plan::{CandidatePlan, KEPT, MilledFigures, PlannedPath};
+use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
 use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
+use super::judged::KEPT;
 use super::milled_plan::{Draft, Effort, MilledPlan, NoPlan, Planner};
 use super::operations::{OperationsPlan, operations};
 use super::prepared::{Prepared, rows_of};
