@@ -130,6 +130,26 @@ export async function graveFaults(page) {
   return violations.filter(({ impact }) => ['serious', 'critical'].includes(impact)).map(({ id, nodes }) => [id, nodes.map(({ target }) => target.join(' ')).slice(0, 4)]);
 }
 
+/** Moves the mouse over an element; the longest time in ms between two frames meanwhile. */
+export async function longestFrame(page, locator) {
+  await locator.scrollIntoViewIfNeeded();
+  const box = await locator.boundingBox();
+  await page.evaluate(() => {
+    globalThis.frames = [];
+    globalThis.isWatching = true;
+    const each = (time) => {
+      globalThis.frames.push(time);
+      if (globalThis.isWatching) requestAnimationFrame(each);
+    };
+    requestAnimationFrame(each);
+  });
+  for (let i = 0; i < 60; i += 1) await page.mouse.move(box.x + box.width * (0.2 + 0.01 * i), box.y + box.height * (0.4 + 0.002 * i));
+  return page.evaluate(() => {
+    globalThis.isWatching = false;
+    return Math.max(...globalThis.frames.slice(1).map((time, i) => time - globalThis.frames[i]));
+  });
+}
+
 /** The text of the file that `click` downloads. */
 export async function downloaded(page, click) {
   const [download] = await Promise.all([page.waitForEvent('download'), click()]);
