@@ -5,7 +5,7 @@ use super::border::Feet;
 use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
 use super::family::Family;
-use super::judged::{FinishFigures, Judged, KEPT, judged, respace};
+use super::judged::{FinishFigures, Judged, judged, respace};
 use super::levels::LevelMaker;
 use super::prepared::Prepared;
 use super::region::Region;
@@ -27,21 +27,16 @@ pub(super) const CHORD_SHARE: f64 = 0.1;
 
 /// How long the lines of a plan are moved.
 #[derive(Debug, Clone)]
-pub(super) struct Effort {
+struct Effort {
     /// The fewest and the most rounds. After the fewest, another one follows while the scallop height is not kept.
     rounds: RangeInclusive<usize>,
     /// The share of the lines that another round must spare to be worth its time.
     spared: f64,
-    /// The share of the area that may be far over the scallop height at stations on which lines were not spaced.
-    enough: f64,
 }
 
 impl Effort {
-    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, enough: 1.0 };
-    /// Of a plan that may be the fastest.
-    pub(super) const FULL: Self = Self { rounds: 3..=5, spared: 0.005, enough: 0.003 };
-    /// Of one that will not be.
-    pub(super) const LITTLE: Self = Self { rounds: 1..=2, spared: 1.0, enough: KEPT };
+    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0 };
+    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005 };
 }
 
 /// The most samples of a path's lines, some four seconds on two threads.
@@ -49,6 +44,9 @@ const MOST_SAMPLES: usize = 4_000_000;
 
 /// A plan keeps the scallop height where this share of the area, at most, is far over it: of two that do, the faster one is taken.
 const ENOUGH: f64 = 0.002;
+
+/// The share up to which it counts as kept on stations on which lines were not spaced.
+const UNSEEN_ENOUGH: f64 = 0.003;
 
 /// The plan of a candidate with one family of lines.
 #[derive(Debug, Clone)]
@@ -127,17 +125,17 @@ impl Planner<'_> {
 
     /// The plan of a draft, finely sampled, with the figures of stations on which it was not spaced. If it does not keep the scallop
     /// height there, it is spaced on these too, and judged on others.
-    pub(super) fn finished(&self, draft: Draft, effort: &Effort) -> Result<MilledPlan, NoPlan> {
+    pub(super) fn finished(&self, draft: Draft) -> Result<MilledPlan, NoPlan> {
         let Draft { family, spread, allowed, .. } = draft;
         let fine = Sampling::fine(&self.prepared.profile, CHORD_SHARE * self.settings.scallop_height.mm());
-        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, effort)?;
+        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, &Effort::PLAN)?;
         let unseen = (self.further)(Set::Unseen);
         let plan = self.measured(&unseen, plan)?;
-        if plan.finish.far_over_share <= effort.enough {
+        if plan.finish.far_over_share <= UNSEEN_ENOUGH {
             return Ok(plan);
         }
         let both: Vec<Station> = self.stations.iter().copied().chain(unseen).collect();
-        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, fine, effort)?;
+        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, fine, &Effort::PLAN)?;
         self.measured(&(self.further)(Set::Last), plan)
     }
 

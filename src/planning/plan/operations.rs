@@ -8,7 +8,7 @@ use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
 use super::estimate::least_seconds;
 use super::family::Family;
 use super::judged::{FinishFigures, Judged, KEPT, judged};
-use super::milled_plan::{Effort, NoPlan, Planner};
+use super::milled_plan::{NoPlan, Planner};
 use super::prepared::{Prepared, rows_of};
 use super::region::Region;
 use super::rest::drawn_until;
@@ -212,7 +212,7 @@ impl Arranged<'_> {
             samples,
             stop,
         };
-        let plan = planner.finished(planner.draft(planned.family)?, &Effort::FULL)?;
+        let plan = planner.finished(planner.draft(planned.family)?)?;
         let area: f64 = on.iter().map(|station| station.place.area).sum();
         let figures = MilledFigures::of(workpiece, settings, prepared, &plan, least_seconds(workpiece, &on, prepared, height));
         Ok(OperationPlan {

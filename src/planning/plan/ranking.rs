@@ -7,7 +7,7 @@ use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
 use super::judged::KEPT;
-use super::milled_plan::{Draft, Effort, MilledPlan, NoPlan, Planner};
+use super::milled_plan::{Draft, MilledPlan, NoPlan, Planner};
 use super::operations::{OperationsPlan, operations};
 use super::prepared::{Prepared, rows_of};
 use super::region::Region;
@@ -41,7 +41,7 @@ const MOST_MILLED: usize = 3;
 const MILLED_WITHIN: f64 = 1.15;
 
 /// A candidate whose first draft takes longer by this factor than a plan that keeps the scallop height is drafted in no other
-/// direction, and its lines are moved in fewer rounds.
+/// direction.
 const BEHIND: f64 = 1.15;
 
 /// The smallest angle between milled directions in deg. Nearer ones have nearly the same lines.
@@ -298,8 +298,7 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) ->
         }
     }
     let Some((direction, draft)) = best else { return Some(directed) };
-    let effort = if draft.seconds > BEHIND * fastest { Effort::LITTLE } else { Effort::FULL };
-    match planner.finished(draft, &effort) {
+    match planner.finished(draft) {
         Ok(plan) => {
             let time = Time::computed(plan.tour.figures.seconds);
             directed.times.retain(|(other, _)| *other != direction);
