@@ -60,7 +60,7 @@ fn compare(slope_deg: f64, alpha_deg: f64, feed: f64) -> Result<Comparison, NoAn
     let setup = Setup {
         solid: Solid::torus(OUTER_RADIUS, CORNER_RADIUS),
         slope_deg,
-        theta_deg: contact.theta().radians().to_degrees(),
+        omega_deg: contact.omega().radians().to_degrees(),
         step_over: step_over.mm(),
         mark_spacing: feed,
     };

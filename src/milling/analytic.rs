@@ -17,11 +17,11 @@ impl EffectiveRadius {
     /// (R - r) cos^2(alpha) / (sin(S) (1 - sin^2(alpha) sin^2(S))) + r
     ///
     /// with e and r of the profile's arc at the slope in place of R - r and r. It is R for a ball-end cutter, and infinite at
-    /// the slope of a flat or a cone. With theta, cos^2(theta) = cos^2(alpha) / (1 -
+    /// the slope of a flat or a cone. With omega, cos^2(omega) = cos^2(alpha) / (1 -
     /// sin^2(alpha) sin^2(S)), it is also defined on walls.
     #[must_use]
     pub fn across_feed(cutter: Cutter, contact: Contact) -> Self {
-        Self::of(cutter, contact, contact.theta().cos().powi(2))
+        Self::of(cutter, contact, contact.omega().cos().powi(2))
     }
 
     /// `TR_eff`, the transverse effective radius, in the plane along the feed [Segonds 2017, eq. 8]: `R_eff` for alpha
@@ -29,7 +29,7 @@ impl EffectiveRadius {
     #[must_use]
     pub fn along_feed(cutter: Cutter, contact: Contact) -> Self {
         let (sin, cos) = (contact.alpha().sin(), contact.alpha().cos());
-        // cos^2(theta) for alpha + 90 deg is sin^2(alpha) / (1 - cos^2(alpha) sin^2(S)); here the denominator is
+        // cos^2(omega) for alpha + 90 deg is sin^2(alpha) / (1 - cos^2(alpha) sin^2(S)); here the denominator is
         // written without cancellation.
         let share = if sin == 0.0 { 0.0 } else { sin * sin / (sin * sin + (cos * contact.slope().cos()).powi(2)) };
         Self::of(cutter, contact, share)

@@ -12,16 +12,16 @@ use std::fmt;
 /// - `alpha` is measured in the plane normal to the tool axis (the horizontal plane), from the line of steepest slope
 ///   to the feed, counter-clockwise seen from above. Its period is 180 deg, so the uphill and the downhill end of the
 ///   line are equivalent;
-/// - `theta` is the same in the tangent plane, counter-clockwise seen from outside: tan(theta) = tan(alpha) cos(S).
+/// - `omega` is the same in the tangent plane, counter-clockwise seen from outside: tan(omega) = tan(alpha) cos(S).
 ///
 /// Formulas for one angle are wrong for the other, so both are stored. On a vertical wall all feeds except the vertical
-/// one have `alpha` = 90 deg, and only `theta` distinguishes them. The signs matter only if the surface has twist in
+/// one have `alpha` = 90 deg, and only `omega` distinguishes them. The signs matter only if the surface has twist in
 /// the axes of the feed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     slope: Angle,
     alpha: Angle,
-    theta: Direction,
+    omega: Direction,
 }
 
 /// The reason why angles or vectors do not describe a contact. Each variant identifies the faulty input.
@@ -84,8 +84,8 @@ impl Contact {
     pub fn from_degrees(slope: f64, alpha: f64) -> Result<Self, ContactError> {
         let slope = Self::checked_slope_deg(slope).and_then(Angle::from_degrees).map_err(ContactError::Slope)?;
         let alpha = Angle::from_degrees(alpha).map_err(ContactError::FeedAngle)?;
-        let theta = Direction::of_vector(alpha.cos(), alpha.sin() * slope.cos());
-        Ok(Self { slope, alpha, theta: theta.unwrap_or(alpha.into()) })
+        let omega = Direction::of_vector(alpha.cos(), alpha.sin() * slope.cos());
+        Ok(Self { slope, alpha, omega: omega.unwrap_or(alpha.into()) })
     }
 
     /// The angle in degrees if it is a slope: from 0 (floor) to 90 (wall).
@@ -99,14 +99,14 @@ impl Contact {
     /// A contact on a slope from 0 to pi/2, fed along its steepest direction.
     pub(crate) fn up_the_slope(slope: Angle) -> Self {
         debug_assert!(slope.sin() >= 0.0 && slope.cos() >= 0.0, "a slope lies between floor and wall");
-        Self { slope, alpha: Angle::ZERO, theta: Direction::ZERO }
+        Self { slope, alpha: Angle::ZERO, omega: Direction::ZERO }
     }
 
     /// A contact from the surface's normal n, which points out of the part, the feed vector, and the tool axis a, which
     /// points from the tip to the spindle. `None` for the tool axis is +Z. All vectors may have any length.
     ///
     /// Only the feed's component in the tangent plane is used. The tangent plane is spanned by the level direction v =
-    /// a x n / |a x n| and the steepest descent u = v x n. theta is the angle of the feed from u towards v, and alpha
+    /// a x n / |a x n| and the steepest descent u = v x n. omega is the angle of the feed from u towards v, and alpha
     /// that of its projection on the plane normal to the axis. If n is parallel to the axis, every direction is level,
     /// and u is the projection of X, or of Y if the axis is parallel to X.
     ///
@@ -132,9 +132,9 @@ impl Contact {
         if along_steepest.hypot(along_level) <= ALONG_NORMAL {
             return Err(ContactError::FeedAlongNormal);
         }
-        let theta = Direction::of_vector(along_steepest, along_level).ok_or(ContactError::FeedAlongNormal)?;
-        let alpha = Angle::of_vector(theta.cos() * slope.cos(), theta.sin()).unwrap_or(Angle::ZERO);
-        Ok(Self { slope, alpha, theta })
+        let omega = Direction::of_vector(along_steepest, along_level).ok_or(ContactError::FeedAlongNormal)?;
+        let alpha = Angle::of_vector(omega.cos() * slope.cos(), omega.sin()).unwrap_or(Angle::ZERO);
+        Ok(Self { slope, alpha, omega })
     }
 
     /// S, the angle between the surface's normal and the tool axis, 0 (floor) to pi/2 (wall).
@@ -149,10 +149,10 @@ impl Contact {
         self.alpha
     }
 
-    /// theta, the angle between the feed and the steepest slope in the tangent plane.
+    /// omega, the angle between the feed and the steepest slope in the tangent plane.
     #[must_use]
-    pub fn theta(self) -> Direction {
-        self.theta
+    pub fn omega(self) -> Direction {
+        self.omega
     }
 
     /// d/s, the ratio of the distance of the passes seen from above to that along the surface: sqrt(1 - sin^2(S)
@@ -164,12 +164,12 @@ impl Contact {
         hypotenuse(self.alpha.cos(), self.alpha.sin() * self.slope.cos())
     }
 
-    /// The angle at which the feed climbs or falls, exact: sin = sin(S) |cos(theta)|, from 0 to pi/2.
+    /// The angle at which the feed climbs or falls, exact: sin = sin(S) |cos(omega)|, from 0 to pi/2.
     #[must_use]
     pub fn climb(self) -> Direction {
-        let sin = self.slope.sin() * self.theta.cos().abs();
-        // cos^2 = 1 - sin^2(S) cos^2(theta) = cos^2(S) + sin^2(S) sin^2(theta)
-        let cos = hypotenuse(self.slope.cos(), self.slope.sin() * self.theta.sin());
+        let sin = self.slope.sin() * self.omega.cos().abs();
+        // cos^2 = 1 - sin^2(S) cos^2(omega) = cos^2(S) + sin^2(S) sin^2(omega)
+        let cos = hypotenuse(self.slope.cos(), self.slope.sin() * self.omega.sin());
         Direction::of_vector(cos, sin).unwrap_or(Direction::ZERO)
     }
 }

@@ -94,7 +94,7 @@ impl Concavity {
         let profile = pass.cutter.widened(pass.runout.radial()).profile();
         let touching = *profile.arc_at(pass.contact.slope().radians());
         let (core, corner) = (touching.centre_offset, touching.radius);
-        let (sin, cos, theta) = (pass.contact.slope().sin(), pass.contact.slope().cos(), pass.contact.theta());
+        let (sin, cos, omega) = (pass.contact.slope().sin(), pass.contact.slope().cos(), pass.contact.omega());
         let [_, smallest_curvature] = pass.surface.principal_per_mm();
         let flat = core != 0.0 && core / sin + corner > 1e300;
         if flat {
@@ -103,7 +103,7 @@ impl Concavity {
             return if smallest_curvature < 0.0 { Self::FitsNowhere } else { Self::Convex { lambda: 1.0 } };
         }
         let level_radius = if core == 0.0 { corner } else { core / sin + corner };
-        let steepest = pass.surface.turned(-theta.sin(), theta.cos());
+        let steepest = pass.surface.turned(-omega.sin(), omega.cos());
         if cos == 0.0 && side_gouges(steepest, profile.outer_radius()) {
             return Self::FitsNowhere;
         }

@@ -2,7 +2,7 @@
 //! step-over or both that keep a tolerance. All are pure functions of checked values.
 //!
 //! Symbols: R and r the cutter's outer and corner radius, S the slope, alpha the feed's angle to the steepest slope
-//! seen from above, theta the same in the tangent plane, K the surface's curvature, s the step-over along the surface,
+//! seen from above, omega the same in the tangent plane, K the surface's curvature, s the step-over along the surface,
 //! f_z the feed per tooth, h1 the height that the step-over leaves, h the whole height.
 //!
 //! Sources: Segonds et al. 2017, doi:10.1007/s10845-017-1360-0, with its misprints corrected.

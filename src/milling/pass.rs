@@ -82,7 +82,7 @@ impl Runout {
     /// either way.
     pub(super) fn displacement(self, contact: Contact, shallow_pairs: bool) -> f64 {
         let (down, up) = (self.radial * contact.slope().cos(), self.axial.abs() * contact.slope().sin());
-        contact.theta().cos().abs() * if shallow_pairs { down + up } else { down.max(up) }
+        contact.omega().cos().abs() * if shallow_pairs { down + up } else { down.max(up) }
     }
 
     /// f'_z, the distance from tooth mark to tooth mark for the feed per tooth f_z with this runout and a feed that

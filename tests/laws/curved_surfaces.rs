@@ -129,15 +129,15 @@ proptest! {
     /// the curvature stated in its axes, has the same lambda.
     #[test]
     fn the_relative_curvature_does_not_depend_on_the_feed(
-        cutter in all_cutters(), slope in 5.0..85.0_f64, bend in bends(), theta in 0.0..180.0_f64, turn in 0.0..180.0_f64,
+        cutter in all_cutters(), slope in 5.0..85.0_f64, bend in bends(), omega in 0.0..180.0_f64, turn in 0.0..180.0_f64,
     ) {
-        let by_theta = |theta: f64| {
-            let (slope, theta) = (angle(slope), angle(theta));
-            let feed = [slope.cos() * theta.cos(), theta.sin(), -slope.sin() * theta.cos()];
+        let by_omega = |omega: f64| {
+            let (slope, omega) = (angle(slope), angle(omega));
+            let feed = [slope.cos() * omega.cos(), omega.sin(), -slope.sin() * omega.cos()];
             Contact::from_vectors([slope.sin(), 0.0, slope.cos()], feed, None).unwrap()
         };
         let principal = bend.0.map(|share| share / cutter.outer_radius().mm());
-        let find = |turn: f64| envelope(on(cutter, by_theta(theta + turn), turned(principal, bend.1, turn))).map(|evaluated| evaluated.relative_curvature());
+        let find = |turn: f64| envelope(on(cutter, by_omega(omega + turn), turned(principal, bend.1, turn))).map(|evaluated| evaluated.relative_curvature());
         match (find(0.0), find(turn)) {
             (Ok(one), Ok(other)) => approx::assert_abs_diff_eq!(one, other, epsilon = 1e-12 * (1.0 + one.abs())),
             (one, other) => prop_assert!(one.is_err() && other.is_err(), "{one:?} {other:?}"),
@@ -294,7 +294,7 @@ fn troughs_bowls_and_saddles_gouge_whatever_the_feeds_direction() {
         for alpha in [0.0, 30.0, 45.0, 90.0, 120.0] {
             let contact = Contact::from_degrees(30.0, alpha).unwrap();
             // The direction of the first principal curvature is the level line, a quarter turn from the steepest one.
-            let surface = SurfaceCurvature::from_principal_per_mm(principal, angle(90.0 - contact.theta().degrees())).unwrap();
+            let surface = SurfaceCurvature::from_principal_per_mm(principal, angle(90.0 - contact.omega().degrees())).unwrap();
             for model in [Model::Analytic, Model::Envelope] {
                 let found = EvaluatedPass::new(model, on(cutter, contact, surface)).map(|evaluated| evaluated.relative_curvature());
                 match found {
@@ -336,7 +336,7 @@ fn level_troughs_gouge_away_from_the_contact() {
     for (radius, alpha) in [(20.0, 0.0), (20.0, 35.0), (20.0, 90.0), (40.0, 0.0), (40.0, 35.0), (40.0, 90.0)] {
         let contact = Contact::from_degrees(5.0, alpha).unwrap();
         // The trough runs along the level line, so that it is curved along the steepest one.
-        let surface = SurfaceCurvature::from_principal_per_mm([-1.0 / radius, 0.0], angle(-contact.theta().degrees())).unwrap();
+        let surface = SurfaceCurvature::from_principal_per_mm([-1.0 / radius, 0.0], angle(-contact.omega().degrees())).unwrap();
         for model in [Model::Analytic, Model::Envelope] {
             let found = EvaluatedPass::new(model, on(cutter, contact, surface)).map(|evaluated| evaluated.relative_curvature());
             let Err(NoAnswer::Gouges { smallest_radius: Some(smallest) }) = found else {

@@ -10,7 +10,7 @@ struct Setup {
     outer: f64,
     corner: f64,
     slope: f64,
-    theta: f64,
+    omega: f64,
     /// Along the feed, across it, twist.
     curvature: [f64; 3],
 }
@@ -21,8 +21,8 @@ impl Setup {
     /// along the normal, which is convex.
     fn height(&self, x: f64, y: f64) -> f64 {
         let (r, a) = (self.corner, self.outer - self.corner);
-        let ((sin, cos), (sin_theta, cos_theta)) = (self.slope.sin_cos(), self.theta.sin_cos());
-        let (steep, level) = (x * cos_theta - y * sin_theta, x * sin_theta + y * cos_theta);
+        let ((sin, cos), (sin_omega, cos_omega)) = (self.slope.sin_cos(), self.omega.sin_cos());
+        let (steep, level) = (x * cos_omega - y * sin_omega, x * sin_omega + y * cos_omega);
         let from = [steep * cos - r * sin - a, level, -steep * sin - r * cos];
         let mut p = -self.outer;
         for _ in 0..200 {
@@ -45,7 +45,7 @@ impl Setup {
         }
         let [along, across, twist] = self.curvature;
         let (by_x, by_y) = (along * x + twist * y, twist * x + across * y);
-        let overhangs = cos < sin * (by_x * cos_theta - by_y * sin_theta) - 1e-12;
+        let overhangs = cos < sin * (by_x * cos_omega - by_y * sin_omega) - 1e-12;
         if steep < 0.0 && overhangs { f64::INFINITY } else { p + 0.5 * (x * by_x + y * by_y) }
     }
 
@@ -106,7 +106,7 @@ fn width(outline: &[[f64; 2]], f: f64) -> f64 {
 /// polygon has 5 %.
 #[test]
 fn heights_on_concave_surfaces_agree_with_the_section_seen_from_the_contact() {
-    for (outer, ratio, slope_deg, theta_deg, principal, turn, s, f) in [
+    for (outer, ratio, slope_deg, omega_deg, principal, turn, s, f) in [
         (5.0, 0.4, 1.5, -116.0, [-0.002, -0.001], 20.0, 0.5, 0.4),
         (5.0, 0.4, 4.0, 90.0, [-0.004, -0.008], 70.0, 0.8, 0.0),
         (7.5, 0.09, 0.755, 90.0, [-0.000_28, -0.000_14], 38.0, 3.75, 2.18),
@@ -126,17 +126,17 @@ fn heights_on_concave_surfaces_agree_with_the_section_seen_from_the_contact() {
             1.0 => Cutter::ball_end(mm(2.0 * outer)),
             _ => Cutter::toroidal(mm(2.0 * outer), mm(corner)).unwrap(),
         };
-        let (slope, theta) = (f64::to_radians(slope_deg), f64::to_radians(theta_deg));
-        let feed = [slope.cos() * theta.cos(), theta.sin(), -slope.sin() * theta.cos()];
+        let (slope, omega) = (f64::to_radians(slope_deg), f64::to_radians(omega_deg));
+        let feed = [slope.cos() * omega.cos(), omega.sin(), -slope.sin() * omega.cos()];
         let contact = Contact::from_vectors([slope.sin(), 0.0, slope.cos()], feed, None).unwrap();
         let surface = SurfaceCurvature::from_principal_per_mm(principal, Angle::from_degrees(turn).unwrap()).unwrap();
         let evaluated = EvaluatedPass::new(Model::Envelope, Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None }).unwrap();
         let envelope = Envelope::new(*evaluated.pass()).unwrap();
         let found = envelope.without_turns().scallop_height(mm(s), (f > 0.0).then(|| mm(f))).unwrap().total().mm();
         let curvature = [surface.along_per_mm(), surface.across_per_mm(), surface.twist_per_mm()];
-        let brute = Setup { outer, corner, slope, theta, curvature }.ridge(s, f);
+        let brute = Setup { outer, corner, slope, omega, curvature }.ridge(s, f);
         println!("{found} {brute} at slope {slope_deg}, r/R {ratio}, lambda {}", evaluated.relative_curvature());
-        assert!((found / brute - 1.0).abs() <= 0.05, "{found} {brute} at slope {slope_deg}, r/R {ratio}, theta {theta_deg}");
+        assert!((found / brute - 1.0).abs() <= 0.05, "{found} {brute} at slope {slope_deg}, r/R {ratio}, omega {omega_deg}");
     }
 }
 

@@ -61,28 +61,28 @@ proptest! {
         }
     }
 
-    /// On a wall, by theta: a level feed has the corner's radius, a vertical feed the circle of radius R.
+    /// On a wall, by omega: a level feed has the corner's radius, a vertical feed the circle of radius R.
     #[test]
-    fn on_a_wall_the_radii_follow_from_the_feeds_inclination(outer in 0.5..10.0_f64, share in 0.05..0.95_f64, theta in 0.0..180.0_f64) {
-        let (cutter, theta) = (toroidal(outer, share), theta.to_radians());
-        let contact = Contact::from_vectors([1.0, 0.0, 0.0], [0.0, theta.sin(), -theta.cos()], None).unwrap();
+    fn on_a_wall_the_radii_follow_from_the_feeds_inclination(outer in 0.5..10.0_f64, share in 0.05..0.95_f64, omega in 0.0..180.0_f64) {
+        let (cutter, omega) = (toroidal(outer, share), omega.to_radians());
+        let contact = Contact::from_vectors([1.0, 0.0, 0.0], [0.0, omega.sin(), -omega.cos()], None).unwrap();
         let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
         let found = EffectiveRadius::across_feed(cutter, contact).finite().unwrap().mm();
-        assert_abs_diff_eq!(found, core * theta.cos().powi(2) + corner, epsilon = 1e-14 * outer);
+        assert_abs_diff_eq!(found, core * omega.cos().powi(2) + corner, epsilon = 1e-14 * outer);
     }
 
     /// Towards a wall, the radii of a feed that is fixed in the surface tend to those on the wall, without a jump: they
     /// change with cos^2 S.
     #[test]
-    fn radii_are_continuous_towards_walls(outer in 0.5..10.0_f64, share in 0.05..0.95_f64, theta in 0.0..180.0_f64, from_wall in 1e-7..1e-3_f64) {
-        let (cutter, theta) = (toroidal(outer, share), theta.to_radians());
+    fn radii_are_continuous_towards_walls(outer in 0.5..10.0_f64, share in 0.05..0.95_f64, omega in 0.0..180.0_f64, from_wall in 1e-7..1e-3_f64) {
+        let (cutter, omega) = (toroidal(outer, share), omega.to_radians());
         let near = |tilt: f64| {
             let (sin, cos) = (tilt.cos(), tilt.sin());
-            let feed = [cos * theta.cos(), theta.sin(), -sin * theta.cos()];
+            let feed = [cos * omega.cos(), omega.sin(), -sin * omega.cos()];
             let contact = Contact::from_vectors([sin, 0.0, cos], feed, None).unwrap();
             EffectiveRadius::across_feed(cutter, contact).finite().unwrap().mm()
         };
-        // (R - r) cos^2(theta) (1/sin S - 1), and 1/sin S - 1 is cos^2(S) / 2 to the next order.
+        // (R - r) cos^2(omega) (1/sin S - 1), and 1/sin S - 1 is cos^2(S) / 2 to the next order.
         prop_assert!((near(from_wall) - near(0.0)).abs() <= outer * (from_wall * from_wall + 1e-13));
     }
 }

@@ -60,8 +60,8 @@ fn heights_with_runout_agree_with_an_independent_implementation() {
         let pass = pass(contact, SurfaceCurvature::PLANE, runout);
         let [found, second_order] = heights(contact, pass);
         assert!(found.to_bits() == second_order.to_bits());
-        let (slope, theta) = (pass.contact.slope(), pass.contact.theta());
-        let displacement = theta.cos().abs() * (get("radial_mm") * slope.cos()).max(get("axial_mm").abs() * slope.sin());
+        let (slope, omega) = (pass.contact.slope(), pass.contact.omega());
+        let displacement = omega.cos().abs() * (get("radial_mm") * slope.cos()).max(get("axial_mm").abs() * slope.sin());
         let mut nearer = contact.clone();
         nearer["feed_per_tooth_mm"] = (get("feed_per_tooth_mm") - displacement).into();
         let [of_nearer, _] = heights(&nearer, pass);

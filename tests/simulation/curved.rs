@@ -130,9 +130,9 @@ impl Setup {
 
 /// Feed, side and normal of a contact; the level line is Y.
 fn frame(contact: Contact) -> [Vector; 3] {
-    let (slope, theta) = (contact.slope(), contact.theta());
+    let (slope, omega) = (contact.slope(), contact.omega());
     let (u, v) = ([slope.cos(), 0.0, -slope.sin()], [0.0, 1.0, 0.0]);
-    [sum(&[(theta.cos(), u), (theta.sin(), v)]), sum(&[(-theta.sin(), u), (theta.cos(), v)]), [slope.sin(), 0.0, slope.cos()]]
+    [sum(&[(omega.cos(), u), (omega.sin(), v)]), sum(&[(-omega.sin(), u), (omega.cos(), v)]), [slope.sin(), 0.0, slope.cos()]]
 }
 
 /// The model's height, lambda and the simulated height as a share of the model's.
@@ -339,7 +339,7 @@ fn displaced_marks_of_shallow_teeth_leave_more_and_do_not_exceed_the_height() {
         let setup = Setup { teeth: vec![deep, shallow], frame: frame(contact), curvature: [0.0; 3], feed, step_over };
         let simulated = setup.highest(48, 256);
         let slope = contact.slope();
-        let displacement = contact.theta().cos().abs() * (radial * slope.cos()).max(axial * slope.sin());
+        let displacement = contact.omega().cos().abs() * (radial * slope.cos()).max(axial * slope.sin());
         let share = simulated / height(feed);
         println!("{simulated} {} {share}, undisplaced {}", height(feed), simulated / height(feed - displacement));
         assert!(share <= REACHED, "{share}");
@@ -361,7 +361,7 @@ fn computed_step_overs_keep_the_tolerance_on_cylinders_and_spheres() {
                 for (principal, from_steepest) in [([1.0, 0.0], 90.0), ([1.0, 0.0], 0.0), ([1.0, 1.0], 0.0)] {
                     for bend in [1.0 / 60.0, -1.0 / 60.0] {
                         let contact = Contact::from_degrees(slope_deg, alpha_deg).unwrap();
-                        let direction = scallopd::quantity::Angle::from_degrees(from_steepest - contact.theta().degrees()).unwrap();
+                        let direction = scallopd::quantity::Angle::from_degrees(from_steepest - contact.omega().degrees()).unwrap();
                         let surface = SurfaceCurvature::from_principal_per_mm(principal.map(|share| share * bend), direction).unwrap();
                         let cutter = Cutter::toroidal(mm(2.0 * outer), mm(corner)).unwrap();
                         let pass = Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None };

@@ -93,8 +93,8 @@ impl Case {
         };
         let mark_spacing = random.within(1e-3, 0.4);
         let height = envelope.scallop_height(step_over, Some(mm(mark_spacing)))?.total().mm();
-        let theta_deg = contact.theta().radians().to_degrees();
-        Ok(Self { setup: Setup { solid, slope_deg, theta_deg, step_over: step_over.mm(), mark_spacing }, height })
+        let omega_deg = contact.omega().radians().to_degrees();
+        Ok(Self { setup: Setup { solid, slope_deg, omega_deg, step_over: step_over.mm(), mark_spacing }, height })
     }
 
     /// The simulated height as a share of the model's height. If the model's height is 0, the share is 1 if the

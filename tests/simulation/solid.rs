@@ -90,7 +90,7 @@ pub(crate) struct Setup {
     /// The slope in degrees.
     pub(crate) slope_deg: f64,
     /// The feed's angle to the steepest descent in the tangent plane, in degrees.
-    pub(crate) theta_deg: f64,
+    pub(crate) omega_deg: f64,
     /// The distance of the passes along the surface, in mm.
     pub(crate) step_over: f64,
     /// The distance of the tooth marks along the feed, in mm.
@@ -128,10 +128,10 @@ struct Columns {
 
 impl Columns {
     fn new(setup: Setup) -> Self {
-        let (slope, theta) = (setup.slope_deg.to_radians(), setup.theta_deg.to_radians());
+        let (slope, omega) = (setup.slope_deg.to_radians(), setup.omega_deg.to_radians());
         let steepest = [slope.cos(), 0.0, -slope.sin()];
-        let feed = [steepest[0] * theta.cos(), theta.sin(), steepest[2] * theta.cos()];
-        let side = [-steepest[0] * theta.sin(), theta.cos(), -steepest[2] * theta.sin()];
+        let feed = [steepest[0] * omega.cos(), omega.sin(), steepest[2] * omega.cos()];
+        let side = [-steepest[0] * omega.sin(), omega.cos(), -steepest[2] * omega.sin()];
         let (rho, touch) = setup.solid.touch(slope);
         let contact = [-rho, 0.0, setup.solid.floor(rho)];
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -30,9 +30,9 @@ export function tangentAngle(slope, feedAngle) {
 export function frameOfAngles(slope, feedAngle) {
   const n = [sineOf(slope), 0, cosineOf(slope)];
   const uphill = [-cosineOf(slope), 0, sineOf(slope)];
-  const theta = tangentAngle(slope, feedAngle);
+  const omega = tangentAngle(slope, feedAngle);
   const left = cross(n, uphill);
-  const F = sum(scaled(uphill, Math.cos(theta)), scaled(left, Math.sin(theta)));
+  const F = sum(scaled(uphill, Math.cos(omega)), scaled(left, Math.sin(omega)));
   return { n, F, T: cross(n, F), Z: [0, 0, 1] };
 }
 

@@ -184,9 +184,9 @@ export function grooveCurvature(frame, arcs, { along = 0, across = 0, twist = 0 
   const level = 1 / ((offset === 0 ? 0 : offset / Math.max(sine, 1e-9)) + r);
   const [f, t] = [dot(F, Z), dot(T, Z)];
   const length = Math.hypot(f, t);
-  const [cosine, sineTheta] = length > 0 ? [f / length, t / length] : [1, 0];
-  const c = steep * cosine ** 2 + level * sineTheta ** 2;
-  const b = (steep - level) * cosine * sineTheta;
+  const [cosine, sineOmega] = length > 0 ? [f / length, t / length] : [1, 0];
+  const c = steep * cosine ** 2 + level * sineOmega ** 2;
+  const b = (steep - level) * cosine * sineOmega;
   const plane = -(b * b) / c;
   const curved = -((b + twist) ** 2) / (c + along);
   return across + curved - plane;

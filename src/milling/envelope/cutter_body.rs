@@ -82,9 +82,9 @@ impl CutterBody {
     pub(super) fn new(profile: &Profile, contact: Contact, surface: SurfaceCurvature) -> Self {
         let slope = contact.slope();
         let (sin, cos) = (slope.sin(), slope.cos());
-        let theta = contact.theta();
-        // The feed is at theta from the uphill steepest line.
-        let uphill = [theta.cos(), -theta.sin()];
+        let omega = contact.omega();
+        // The feed is at omega from the uphill steepest line.
+        let uphill = [omega.cos(), -omega.sin()];
         let axis = [sin * uphill[0], sin * uphill[1], cos];
         let outwards = [cos * uphill[0], cos * uphill[1], -sin];
         let stated = Frame { outwards, level: cross(axis, outwards), sin, cos };
@@ -148,7 +148,7 @@ impl CutterBody {
         let Touching { radius, centre_offset, .. } = self.touching;
         let (steep, level) = (radius.recip().min(1e9), self.stated.sin / (centre_offset + radius * self.stated.sin).max(1e-9));
         let level = if centre_offset == 0.0 { steep } else { level };
-        let (cos, sin) = (contact.theta().cos(), contact.theta().sin());
+        let (cos, sin) = (contact.omega().cos(), contact.omega().sin());
         let [along, across, twist] = self.bend;
         [steep * cos * cos + level * sin * sin + along, steep * sin * sin + level * cos * cos + across, (level - steep) * sin * cos + twist]
     }

@@ -536,7 +536,7 @@ impl Envelope {
 
     /// d/s, the ratio of the passes' distance seen from above to that along the surface: cos(S) / cos(climb). Seen from
     /// above, a unit square with a side along the feed has the area cos(S), and that side the length cos(climb). On a
-    /// wall the ratio is 1 for the vertical feed and 0 for any other; only theta distinguishes feeds there.
+    /// wall the ratio is 1 for the vertical feed and 0 for any other; only omega distinguishes feeds there.
     fn spacing_ratio(&self) -> f64 {
         if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos().abs() / self.climb.cos() }
     }

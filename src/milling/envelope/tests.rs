@@ -37,10 +37,10 @@ fn curved(pass: Pass, radius: f64) -> Pass {
     Pass { surface: SurfaceCurvature::from_radius_mm(radius).unwrap(), ..pass }
 }
 
-/// A pass by vectors, which distinguish all feeds on a wall; slope and theta in degrees.
-fn by_theta(cutter: Cutter, slope: f64, theta: f64) -> Envelope {
-    let (slope, theta) = (Angle::from_degrees(slope).unwrap(), Angle::from_degrees(theta).unwrap());
-    let feed = [slope.cos() * theta.cos(), theta.sin(), -slope.sin() * theta.cos()];
+/// A pass by vectors, which distinguish all feeds on a wall; slope and omega in degrees.
+fn by_omega(cutter: Cutter, slope: f64, omega: f64) -> Envelope {
+    let (slope, omega) = (Angle::from_degrees(slope).unwrap(), Angle::from_degrees(omega).unwrap());
+    let feed = [slope.cos() * omega.cos(), omega.sin(), -slope.sin() * omega.cos()];
     let contact = Contact::from_vectors([slope.sin(), 0.0, slope.cos()], feed, None).unwrap();
     Envelope::new(Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None }).unwrap()
 }

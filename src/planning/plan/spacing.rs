@@ -124,7 +124,7 @@ impl CutterSpacing {
             Law::Circle { height } => {
                 let arc = self.profile.arc_at(tangent.slope());
                 let (core, corner) = (arc.centre_offset, arc.radius);
-                // R_eff = core cos^2(theta) / sin(S) + r with cos^2(theta) = cos^2(alpha) / ratio^2; infinite on a
+                // R_eff = core cos^2(omega) / sin(S) + r with cos^2(omega) = cos^2(alpha) / ratio^2; infinite on a
                 // floor.
                 let bent = core * cos_alpha * cos_alpha / (tangent.sin * ratio_squared);
                 let radius = if core == 0.0 { corner } else { bent + corner };

@@ -29,8 +29,8 @@ fn the_check_values_agree_to_their_printed_digits() {
 /// are s apart.
 fn step_over_height_of_outline(cutter: Cutter, contact: Contact, s: f64) -> f64 {
     let (core, corner) = (cutter.core_radius().mm(), cutter.corner_radius().mm());
-    let (axis_up, axis_aside) = (contact.slope().cos(), contact.slope().sin() * contact.theta().sin().abs());
-    let axis_along = contact.slope().sin() * contact.theta().cos();
+    let (axis_up, axis_aside) = (contact.slope().cos(), contact.slope().sin() * contact.omega().sin().abs());
+    let axis_along = contact.slope().sin() * contact.omega().cos();
     // The point of the outline with the normal (sin(phi), -cos(phi)) in (aside, up), relative to the disc's centre.
     let point = |phi: f64| {
         let (m, tangent) = ((phi.sin(), -phi.cos()), (phi.cos(), phi.sin()));
@@ -63,9 +63,9 @@ fn step_over_height_of_outline(cutter: Cutter, contact: Contact, s: f64) -> f64 
 proptest! {
     #[test]
     fn the_step_over_height_agrees_with_the_outline_seen_along_the_feed(
-        outer in 1.0..10.0_f64, ratio in 0.05..0.95_f64, slope in 0.1..89.0_f64, theta in 0.1..89.0_f64, share in 0.001..0.5_f64,
+        outer in 1.0..10.0_f64, ratio in 0.05..0.95_f64, slope in 0.1..89.0_f64, omega in 0.1..89.0_f64, share in 0.001..0.5_f64,
     ) {
-        let envelope = by_theta(cutter(outer, ratio), slope, theta);
+        let envelope = by_omega(cutter(outer, ratio), slope, omega);
         let s = share * outer;
         let other = step_over_height_of_outline(envelope.pass.cutter, envelope.contact(), s);
         // The outline's coordinates are of the size of R, 10 mm, so that its levels have a few rounding errors of 10
@@ -75,9 +75,9 @@ proptest! {
 
     #[test]
     fn a_flat_end_cutter_leaves_its_closed_form(
-        radius in 0.5..10.0_f64, slope in 0.1..89.9_f64, theta in quarter_turn(), share in 0.01..0.999_f64,
+        radius in 0.5..10.0_f64, slope in 0.1..89.9_f64, omega in quarter_turn(), share in 0.01..0.999_f64,
     ) {
-        let envelope = by_theta(cutter(radius, 0.0), slope, theta);
+        let envelope = by_omega(cutter(radius, 0.0), slope, omega);
         // Passes are up to 2R apart seen from above, and up to 6R along steep walls, so that edges and sides meet in
         // every combination.
         let s = share * envelope.largest_step_over(0.0).min(6.0 * radius);
@@ -88,9 +88,9 @@ proptest! {
 
     #[test]
     fn a_ball_end_cutter_leaves_its_closed_form(
-        radius in 0.5..10.0_f64, slope in 0.01..80.0_f64, theta in quarter_turn(), share in 1e-4..0.15_f64, marks in 1e-4..0.15_f64,
+        radius in 0.5..10.0_f64, slope in 0.01..80.0_f64, omega in quarter_turn(), share in 1e-4..0.15_f64, marks in 1e-4..0.15_f64,
     ) {
-        let envelope = by_theta(cutter(radius, 1.0), slope, theta);
+        let envelope = by_omega(cutter(radius, 1.0), slope, omega);
         let (s, f) = (share * radius, marks * radius);
         // The sides of the cutter, which are upright, leave the same up to there.
         prop_assume!(slope + (s.hypot(f) / (2.0 * radius)).asin().to_degrees() < 89.0);
@@ -101,12 +101,12 @@ proptest! {
 
     #[test]
     fn floor_and_wall_are_the_limits_of_slopes_beside_them(
-        cutter in cutters(), theta in quarter_turn(), share in 0.01..0.9_f64, marks in 0.01..0.4_f64, axial in 0.001..0.1_f64, teeth in 2_u32..4,
+        cutter in cutters(), omega in quarter_turn(), share in 0.01..0.9_f64, marks in 0.01..0.4_f64, axial in 0.001..0.1_f64, teeth in 2_u32..4,
     ) {
         let s = share * 2.0 * cutter.outer_radius().mm();
         let with_runout = |slope: f64| {
             let runout = Runout::NONE.with_axial_mm(axial).unwrap();
-            Envelope::new(Pass { runout, teeth: NonZeroU32::new(teeth), ..by_theta(cutter, slope, theta).pass }).unwrap()
+            Envelope::new(Pass { runout, teeth: NonZeroU32::new(teeth), ..by_omega(cutter, slope, omega).pass }).unwrap()
         };
         let (floor, beside) = (with_runout(0.0), with_runout(1e-7));
         if let (Some(floor), Some(beside)) = (floor.at(s, marks), beside.at(s, marks)) {
@@ -129,15 +129,15 @@ proptest! {
         // the normal.
         let moved = 6e-8;
         for f in [0.0, marks] {
-            let floor = by_theta(cutter, 0.0, theta).at(s, f);
-            if let (Some(floor), Some(beside)) = (floor, by_theta(cutter, 1e-7, theta).at(s, f)) {
+            let floor = by_omega(cutter, 0.0, omega).at(s, f);
+            if let (Some(floor), Some(beside)) = (floor, by_omega(cutter, 1e-7, omega).at(s, f)) {
                 approx::assert_abs_diff_eq!(beside, floor, epsilon = moved);
             }
             // Along the wall the cutter's side removes what passes leave; near the wall, the rest is the side's rise
             // over s.
-            let wall = by_theta(cutter, 90.0, theta).at(s, f);
-            if let (Some(wall), Some(beside)) = (wall, by_theta(cutter, 90.0 - 1e-7, theta).at(s, f))
-                && (theta <= 0.0 || theta > 1.0)
+            let wall = by_omega(cutter, 90.0, omega).at(s, f);
+            if let (Some(wall), Some(beside)) = (wall, by_omega(cutter, 90.0 - 1e-7, omega).at(s, f))
+                && (omega <= 0.0 || omega > 1.0)
             {
                 // With a feed 1 deg from the vertical, the side reaches s / tan(1 deg) = 57 s up, and its rise is
                 // larger by this factor.
@@ -164,12 +164,12 @@ proptest! {
 
     #[test]
     fn a_ball_end_cutter_on_a_sphere_leaves_its_closed_form(
-        radius in 0.5..10.0_f64, slope in 0.0..60.0_f64, theta in quarter_turn(), share in 0.01..0.3_f64, marks in 0.01..0.3_f64,
+        radius in 0.5..10.0_f64, slope in 0.0..60.0_f64, omega in quarter_turn(), share in 0.01..0.3_f64, marks in 0.01..0.3_f64,
         hollow in prop::bool::ANY, roundness in 1.5..50.0_f64,
     ) {
         let curvature = (if hollow { -roundness } else { roundness } * radius).recip();
         let surface = SurfaceCurvature::from_components_per_mm(curvature, curvature, 0.0).unwrap();
-        let envelope = Envelope::new(Pass { surface, ..by_theta(cutter(radius, 1.0), slope, theta).pass }).unwrap();
+        let envelope = Envelope::new(Pass { surface, ..by_omega(cutter(radius, 1.0), slope, omega).pass }).unwrap();
         let (s, f) = (share * radius, marks * radius);
         // The ridge is half a diagonal of the rectangle between the marks away from each contact.
         let closed = circle_height(radius, s.hypot(f)) + curvature * (s * s + f * f) / 8.0;
@@ -198,7 +198,7 @@ fn on_a_floor_the_flat_leaves_nothing_and_the_corner_its_round() {
 fn vertical_passes_on_an_overhanging_wall_leave_the_height_of_circles() {
     for (slope, twist) in [(89.999_999, 0.008), (89.999, 0.008), (89.9, -0.002)] {
         let surface = SurfaceCurvature::from_components_per_mm(-0.056, -0.054, twist).unwrap();
-        let envelope = Envelope::new(Pass { surface, ..by_theta(cutter(3.0, 0.58), slope, 0.0).pass }).unwrap();
+        let envelope = Envelope::new(Pass { surface, ..by_omega(cutter(3.0, 0.58), slope, 0.0).pass }).unwrap();
         let s = 3.1;
         let circles = circle_height(3.0, s) - 0.054 * s * s / 8.0;
         let found = envelope.scallop_height(mm(s), None).unwrap().step_over.mm();

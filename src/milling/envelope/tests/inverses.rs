@@ -5,10 +5,10 @@ use super::*;
 proptest! {
     #[test]
     fn the_inverses_give_back_step_over_and_feed(
-        cutter in cutters(), slope in 0.1..89.0_f64, theta in quarter_turn(), share in 0.01..0.8_f64, marks in 0.05..0.4_f64,
+        cutter in cutters(), slope in 0.1..89.0_f64, omega in quarter_turn(), share in 0.01..0.8_f64, marks in 0.05..0.4_f64,
         radius in prop_oneof![Just(None), (30.0..1e4_f64).prop_map(Some)], radial in 0.0..0.005_f64, axial in -0.005..0.005_f64,
     ) {
-        let mut pass = by_theta(cutter, slope, theta).pass;
+        let mut pass = by_omega(cutter, slope, omega).pass;
         pass.runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
         if let Some(radius) = radius {
             pass = curved(pass, radius);

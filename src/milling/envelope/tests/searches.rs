@@ -42,10 +42,10 @@ proptest! {
     /// On planes, and with runout.
     #[test]
     fn the_fast_and_the_sure_search_agree(
-        cutter in cutters(), slope in slopes(), theta in quarter_turn(), share in 0.001..0.9_f64, marks in 0.001..0.4_f64,
+        cutter in cutters(), slope in slopes(), omega in quarter_turn(), share in 0.001..0.9_f64, marks in 0.001..0.4_f64,
         (radial, axial) in prop_oneof![Just((0.0, 0.0)), (0.0..0.005_f64, -0.005..0.005_f64)], teeth in 2_u32..6,
     ) {
-        let (plain, outer) = (by_theta(cutter, slope, theta), cutter.outer_radius().mm());
+        let (plain, outer) = (by_omega(cutter, slope, omega), cutter.outer_radius().mm());
         let runout = Runout::NONE.with_radial_mm(radial * outer).unwrap().with_axial_mm(axial * outer).unwrap();
         let envelope = Envelope::new(Pass { runout, teeth: NonZeroU32::new(teeth), ..plain.pass }).unwrap();
         let (s, f) = (share * outer, marks * outer);
@@ -60,10 +60,10 @@ proptest! {
 
     #[test]
     fn the_distance_to_the_body_is_convex(
-        cutter in cutters(), slope in quarter_turn(), theta in quarter_turn(),
+        cutter in cutters(), slope in quarter_turn(), omega in quarter_turn(),
         (x, y, p) in (-20.0..20.0_f64, -20.0..20.0_f64, -20.0..20.0_f64), (u, v, q) in (-20.0..20.0_f64, -20.0..20.0_f64, -20.0..20.0_f64),
     ) {
-        let body = by_theta(cutter, slope, theta).body;
+        let body = by_omega(cutter, slope, omega).body;
         let ends = f64::midpoint(body.gap(x, y, p).value, body.gap(u, v, q).value);
         let middle = body.gap(f64::midpoint(x, u), f64::midpoint(y, v), f64::midpoint(p, q)).value;
         // Distances are up to some 60 mm, with rounding errors of 1e-14 mm. A few of these add up; they would be
@@ -73,10 +73,10 @@ proptest! {
 
     #[test]
     fn the_height_grows_with_step_over_and_feed(
-        cutter in cutters(), slope in quarter_turn(), theta in quarter_turn(), share in 0.01..0.8_f64, marks in 0.01..0.4_f64,
+        cutter in cutters(), slope in quarter_turn(), omega in quarter_turn(), share in 0.01..0.8_f64, marks in 0.01..0.4_f64,
         more in 1.001..1.2_f64,
     ) {
-        let envelope = by_theta(cutter, slope, theta);
+        let envelope = by_omega(cutter, slope, omega);
         let s = share * 2.0 * cutter.outer_radius().mm();
         if let (Some(height), Some(wider), Some(faster)) =
             (envelope.at(s, marks), envelope.at(more * s, marks), envelope.at(s, more * marks))
