@@ -93,7 +93,7 @@ fn command_line() -> clap::Command {
     };
     clap::Command::new(env!("CARGO_PKG_NAME"))
         .version(env!("CARGO_PKG_VERSION"))
-        .about("Scallop heights, feeds and step-overs of ball-end and toroidal finish milling, over HTTP")
+        .about("Scallop heights, feeds, step-overs and plans of finish milling, over HTTP")
         .args(ROWS.iter().map(argument))
         .subcommand(
             clap::Command::new(OPENAPI).about("Print the OpenAPI document").arg(
