@@ -57,20 +57,25 @@ pub fn path_time(points: &[[f64; 3]], feeds: &[Speed], limits: MachineLimits, to
     let stretches = stretches(points, feeds, acceleration, jerk, tolerance.mm());
     let mut nodes = Vec::with_capacity(stretches.len() + 1);
     speeds(&stretches, 0.0, 0.0, acceleration, &mut nodes);
-    let is_end = |at: &usize| is_minimum(&stretches, &nodes, *at, acceleration);
-    let ends: Vec<usize> = std::iter::once(0).chain((1..stretches.len()).filter(is_end)).chain([stretches.len()]).collect();
-    let pieces: Vec<[usize; 2]> = ends.windows(2).map(|pair| [pair[0], pair[1]]).filter(|[first, last]| first < last).collect();
-    let time_of = |pieces: &[[usize; 2]]| {
+    let pieces = pieces(&stretches, &nodes, limits);
+    let time_of = |pieces: &[Piece<'_>]| {
         let mut scratch = Vec::new();
-        let mut piece = |&[first, last]: &[usize; 2]| {
-            let piece = Piece { stretches: &stretches[first..last], start: nodes[first], end: nodes[last], limits };
-            piece.time(&mut scratch)
-        };
-        pieces.iter().map(&mut piece).sum::<f64>()
+        pieces.iter().map(|piece| piece.time(&mut scratch)).sum::<f64>()
     };
     // Sums of equal parts in their order, so that the threads' order does not change the roundings.
     let sums: Vec<f64> = pieces.par_chunks(AT_ONCE).map(time_of).collect();
     Time::computed(sums.into_iter().sum())
+}
+
+/// The parts of the path between the local minima of the speeds at the ends of its stretches.
+fn pieces<'a>(stretches: &'a [Stretch], nodes: &[f64], limits: MachineLimits) -> Vec<Piece<'a>> {
+    let is_end = |at: &usize| is_minimum(stretches, nodes, *at, limits.acceleration.mm_s2());
+    let ends: Vec<usize> = std::iter::once(0).chain((1..stretches.len()).filter(is_end)).chain([stretches.len()]).collect();
+    let between = |pair: &[usize]| {
+        let (first, last) = (pair[0], pair[1]);
+        (first < last).then(|| Piece { stretches: &stretches[first..last], start: nodes[first], end: nodes[last], limits })
+    };
+    ends.windows(2).filter_map(between).collect()
 }
 
 /// Whether the speed is least at the node between two stretches: it falls or is held before and rises or is held after, and
@@ -281,6 +286,43 @@ mod tests {
             let time = time(&points, limits, tolerance);
             prop_assert!(time >= length / limits.feed_rate.mm_s() && time.is_finite());
         }
+    }
+
+    /// The search for the best acceleration of a piece, against all of 3000 of them.
+    #[test]
+    fn no_acceleration_gives_a_piece_a_shorter_time() {
+        #[derive(serde::Deserialize)]
+        struct Case {
+            tip_mm: Vec<[f64; 3]>,
+            feed_rate_mm_min: f64,
+            acceleration_m_s2: f64,
+            jerk_m_s3: f64,
+            path_tolerance_mm: f64,
+        }
+        #[derive(serde::Deserialize)]
+        struct Reference {
+            cases: Vec<Case>,
+        }
+        let reference: Reference = serde_json::from_str(include_str!("../../tests/data/path_times.json")).unwrap();
+        // A curve in chords with random turns: the speeds at the ends of most pieces bound the acceleration from below.
+        let case = &reference.cases[3];
+        let limits = limits(case.feed_rate_mm_min, case.acceleration_m_s2, case.jerk_m_s3);
+        let feeds = vec![limits.feed_rate; case.tip_mm.len() - 1];
+        let most = limits.acceleration.mm_s2();
+        let stretches = stretches(&case.tip_mm, &feeds, most, limits.jerk.mm_s3(), case.path_tolerance_mm);
+        let (mut nodes, mut scratch) = (Vec::new(), Vec::new());
+        speeds(&stretches, 0.0, 0.0, most, &mut nodes);
+        let pieces = pieces(&stretches, &nodes, limits);
+        assert!(pieces.len() > 50);
+        let (mut found, mut tried) = (0.0, 0.0);
+        for piece in pieces {
+            let time = piece.time(&mut scratch);
+            let accelerations = (0..=3000).map(|step| most * LEAST_ACCELERATION.powf(f64::from(step) / 3000.0));
+            let least = accelerations.map(|a| piece.time_with(a, &mut scratch)).fold(f64::INFINITY, f64::min);
+            assert!(time <= least * (1.0 + 1e-3), "{time} {least}");
+            (found, tried) = (found + time, tried + least);
+        }
+        assert_relative_eq!(found, tried, max_relative = 2e-3);
     }
 
     /// A square with rounded sides in chords: the time does not grow with the tolerance.
