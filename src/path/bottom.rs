@@ -107,6 +107,38 @@ impl Bottom {
         (before, after)
     }
 
+    /// The curvature of the most curved paraboloid that touches the bottom at the distance `rho` from the axis, where the profile's
+    /// slope has this tangent, and is nowhere over it: for every point p within R,
+    ///
+    /// low(|p|) >= low(rho) + g.(p - c) + bend/2 |p - c|^2
+    ///
+    /// with the contact c and its gradient g, which is radial. For p at the distance q from the axis, the right side is greatest in the
+    /// contact's direction as long as bend rho <= tangent. What is left is a condition on N(q) = low(q) - low(rho) - tangent (q - rho):
+    /// 2 N(q) >= bend (q - rho)^2. N has the curvature 1/r or more on the arc of the contact. On a piece further away N is at least its
+    /// tangent at the near end, over whose square of the distance it is least at one of the ends.
+    pub(super) fn bend(&self, rho: f64, tangent: f64) -> f64 {
+        let within = 1e-9 * self.radius;
+        let low = self.low(rho);
+        let mut bend = if rho > within { tangent / rho } else { f64::INFINITY };
+        for piece in self.pieces() {
+            let outwards = if rho < 0.5 * (piece.inner + piece.outer) { 1.0 } else { -1.0 };
+            let [near, far] = if outwards > 0.0 { [piece.inner, piece.outer] } else { [piece.outer, piece.inner] };
+            let [to_near, to_far] = [outwards * (near - rho), outwards * (far - rho)];
+            let most = match piece.shape {
+                Shape::Arc { r, .. } if to_near <= within => r.recip(),
+                _ => {
+                    let at_near = piece.height(near) - low - outwards * tangent * to_near;
+                    let steeper = outwards * (piece.tangent(near) - tangent);
+                    let at_far = at_near + steeper * (to_far - to_near);
+                    let least = if to_near > within { 2.0 * at_near / (to_near * to_near) } else { f64::INFINITY };
+                    least.min(2.0 * at_far / (to_far * to_far))
+                }
+            };
+            bend = bend.min(most);
+        }
+        bend.max(0.0)
+    }
+
     fn piece_at(&self, rho: f64) -> Option<&Piece> {
         self.pieces().iter().find(|piece| rho <= piece.outer).or(self.pieces().last())
     }

@@ -77,7 +77,7 @@ struct Highest {
     place: usize,
     feature: Feature,
     contact: [f64; 3],
-    /// A plane under the cutter's bottom that touches it at the contact: what lies under it cannot raise the tip.
+    /// What lies under this touches no part of the cutter's bottom.
     under: Option<Under>,
 }
 
@@ -85,18 +85,44 @@ impl Highest {
     const NONE: Self = Self { height: f64::NEG_INFINITY, place: 0, feature: Feature::Inside, contact: [0.0; 3], under: None };
 }
 
-/// A plane nowhere over the bottom of the cutter, because the bottom is convex.
+/// A paraboloid nowhere over the bottom of the cutter, which touches it at one point.
 #[derive(Clone, Copy)]
 struct Under {
+    /// The point, seen from the axis.
+    at: [f64; 2],
     gradient: [f64; 2],
-    /// Its height over the tip at the axis.
-    at_axis: f64,
+    /// The height over the tip at the axis of the plane that touches it there.
+    plane_at_axis: f64,
+    /// Its curvature in every direction, [`Bottom::bend`], and the radius of that; infinite for a plane.
+    bend: f64,
+    radius: f64,
 }
 
 impl Under {
-    /// The height to which a point, given from the axis, raises the tip at most.
-    fn raises(&self, from_axis: [f64; 2], z: f64) -> f64 {
-        z - self.at_axis - self.gradient[0] * from_axis[0] - self.gradient[1] * from_axis[1]
+    /// The height to which points in a box seen from the axis raise the tip at most, if they are not over the plane with this height at
+    /// the axis and this gradient.
+    fn raises(&self, [min, max]: [[f64; 2]; 2], at_axis: f64, gradient: [f64; 2]) -> f64 {
+        // The difference of the plane and the paraboloid is a sum of one parabola for each axis.
+        let greatest = |axis: usize| {
+            let steeper = gradient[axis] - self.gradient[axis];
+            let place = (self.at[axis] + steeper * self.radius).max(min[axis]).min(max[axis]);
+            let beside = place - self.at[axis];
+            steeper * place - 0.5 * self.bend * beside * beside
+        };
+        at_axis - self.plane_at_axis + greatest(0) + greatest(1)
+    }
+
+    /// The same for a facet, somewhat more.
+    fn raises_facet(&self, corners: [[f64; 3]; 3]) -> f64 {
+        let over_plane = |[x, y, z]: [f64; 3]| z - self.plane_at_axis - self.gradient[0] * x - self.gradient[1] * y;
+        let [a, b, c] = corners;
+        let beside = |axis: usize| {
+            let least = a[axis].min(b[axis]).min(c[axis]) - self.at[axis];
+            let most = a[axis].max(b[axis]).max(c[axis]) - self.at[axis];
+            least.max(-most).max(0.0)
+        };
+        let [x, y] = [beside(0), beside(1)];
+        over_plane(a).max(over_plane(b)).max(over_plane(c)) - 0.5 * self.bend * (x * x + y * y)
     }
 }
 
@@ -187,7 +213,7 @@ impl DropCutter {
         let bound = |node: &Node, _: &Highest| if node.squared_distance(at) > rounding * rounding { f64::NEG_INFINITY } else { node.top };
         let over = |place: usize, highest: &mut Highest| {
             let facet = Plane::of(&self.corners[place]);
-            if facet.is_wall() || facet.outside(at, rounding) != [false; 3] {
+            if facet.is_wall() || facet.is_outside(at, rounding) {
                 return;
             }
             let height = facet.height(at);
@@ -274,30 +300,29 @@ impl Query {
         }
         let tangent = plane.tangent();
         let contact = self.contact(plane.gradient, tangent, self.bottom.on_plane(tangent));
-        (plane.outside(contact, self.rounding) != [false; 3]).then_some(contact)
+        plane.is_outside(contact, self.rounding).then_some(contact)
     }
 
-    /// A height over which none of a node's facets lifts the tip: of those for the top of their box, and for the part of
-    /// their bounding plane in their box over the plane under the cutter's bottom. The second is sought only if the first
-    /// is not low enough.
+    /// A height over which none of a node's facets lifts the tip. There are three: for their bounding plane in their box over the
+    /// paraboloid under the cutter's bottom, for the top of the box, and for the whole bounding plane. The cheapest is the first, and
+    /// the others are sought only if it is not low enough.
     fn bound(&self, node: &Node, highest: &Highest) -> f64 {
         let squared = node.squared_distance(self.at);
         if squared > self.squared_radius {
             return f64::NEG_INFINITY;
         }
-        let on_box = node.top - self.bottom.low(squared.sqrt());
-        let Some(under) = highest.under.filter(|_| on_box > highest.height + INDISTINCT) else { return on_box };
-        // The difference of two planes is greatest at a corner of the box.
-        let greatest = |axis: usize| {
-            let gradient = node.gradient[axis] - under.gradient[axis];
-            (gradient * (node.min[axis] - self.at[axis])).max(gradient * (node.max[axis] - self.at[axis]))
-        };
         let at_axis = node.plane_at(self.at);
-        let over_under = on_box.min(at_axis - under.at_axis + greatest(0) + greatest(1));
+        let from_axis = |corner: [f64; 2]| [corner[0] - self.at[0], corner[1] - self.at[1]];
+        let raises = |under: &Under| under.raises([from_axis(node.min), from_axis(node.max)], at_axis, node.gradient);
+        let over_under = highest.under.as_ref().map_or(f64::INFINITY, raises);
         if over_under <= highest.height + INDISTINCT {
             return over_under;
         }
-        over_under.min(at_axis + self.bottom.on_plane(node.tangent).rise)
+        let on_box = over_under.min(node.top - self.bottom.low(squared.sqrt()));
+        if on_box <= highest.height + INDISTINCT {
+            return on_box;
+        }
+        on_box.min(at_axis + self.bottom.on_plane(node.tangent).rise)
     }
 
     /// Raises the highest position to the one on this facet, if that is higher.
@@ -306,9 +331,9 @@ impl Query {
         if top <= highest.height + INDISTINCT {
             return;
         }
-        if let Some(under) = highest.under {
-            let raises = |corner: &[f64; 3]| under.raises([corner[0] - self.at[0], corner[1] - self.at[1]], corner[2]);
-            if corners.iter().map(raises).fold(f64::NEG_INFINITY, f64::max) <= highest.height + INDISTINCT {
+        if let Some(under) = &highest.under {
+            let from_axis = corners.map(|[x, y, z]| [x - self.at[0], y - self.at[1], z]);
+            if under.raises_facet(from_axis) <= highest.height + INDISTINCT {
                 return;
             }
         }
@@ -325,8 +350,11 @@ impl Query {
             let contact = self.contact(plane.gradient, tangent, stand);
             let beyond = plane.outside(contact, self.rounding);
             if beyond == [false; 3] {
+                let at = [contact[0] - self.at[0], contact[1] - self.at[1]];
                 let contact = [contact[0], contact[1], plane.height(contact)];
-                let under = Some(Under { gradient: plane.gradient, at_axis: plane.height(self.at) - height });
+                let bend = self.bottom.bend(stand.distance, tangent);
+                let under =
+                    Some(Under { at, gradient: plane.gradient, plane_at_axis: plane.height(self.at) - height, bend, radius: bend.recip() });
                 *highest = Highest { height, place, feature: Feature::Inside, contact, under };
                 return;
             }
@@ -385,7 +413,9 @@ impl Query {
         let (tangent, _) = self.bottom.tangents(rho.min(self.bottom.radius()));
         let under = (tangent < STEEPEST_UNDER).then(|| {
             let gradient = if rho > 0.0 { out.map(|part| part / rho * tangent) } else { [0.0; 2] };
-            Under { gradient, at_axis: found.contact[2] - found.height - tangent * rho }
+            let plane_at_axis = found.contact[2] - found.height - tangent * rho;
+            let bend = self.bottom.bend(rho.min(self.bottom.radius()), tangent);
+            Under { at: out, gradient, plane_at_axis, bend, radius: bend.recip() }
         });
         *highest = Highest { under, ..found };
     }
@@ -444,14 +474,19 @@ impl<'a> Plane<'a> {
     }
 
     /// For each edge, whether the point is beyond it seen from above by more than `rounding`.
-    fn outside(&self, [x, y]: [f64; 2], rounding: f64) -> [bool; 3] {
-        let sign = self.area.signum();
-        [0, 1, 2].map(|edge| {
-            let (a, b) = (&self.corners[edge], &self.corners[(edge + 1) % 3]);
-            let along = [b[0] - a[0], b[1] - a[1]];
-            let inwards = sign * (along[0] * (y - a[1]) - along[1] * (x - a[0]));
-            inwards < -rounding * (along[0].abs() + along[1].abs())
-        })
+    fn outside(&self, at: [f64; 2], rounding: f64) -> [bool; 3] {
+        [0, 1, 2].map(|edge| self.is_beyond(edge, at, rounding))
+    }
+
+    fn is_outside(&self, at: [f64; 2], rounding: f64) -> bool {
+        (0..3).any(|edge| self.is_beyond(edge, at, rounding))
+    }
+
+    fn is_beyond(&self, edge: usize, [x, y]: [f64; 2], rounding: f64) -> bool {
+        let (a, b) = (&self.corners[edge], &self.corners[(edge + 1) % 3]);
+        let along = [b[0] - a[0], b[1] - a[1]];
+        let inwards = self.area.signum() * (along[0] * (y - a[1]) - along[1] * (x - a[0]));
+        inwards < -rounding * (along[0].abs() + along[1].abs())
     }
 }
 

@@ -3,7 +3,7 @@
 use rayon::join;
 
 /// The most facets in a leaf.
-const LEAF: usize = 4;
+const LEAF: usize = 8;
 
 /// The smallest number of facets whose halves are worth two threads, and between which cancellation is looked for.
 const PARALLEL: usize = 4096;

@@ -308,3 +308,31 @@ fn no_facets_and_facets_without_area_are_no_fault() {
     assert_eq!(cutter_over(&[point]).drop(&flat, 4.0, 0.0, None), None);
     assert_eq!(DropCutter::new(&[point], &|| true).facets(), 0);
 }
+
+#[test]
+fn the_paraboloid_under_a_cutter_is_nowhere_over_its_bottom() {
+    let mut random = Random(41);
+    let mut bent = 0;
+    for profile in profiles() {
+        let bottom = Bottom::of(&profile);
+        let radius = bottom.radius();
+        for step in 0..400 {
+            // Everywhere, and at the corners of the profile.
+            let ends = profile.arcs().iter().flat_map(|arc| [arc.point(arc.from).0, arc.point(arc.to).0]).filter(|end| *end < radius);
+            let corners: Vec<f64> = ends.chain([0.0]).collect();
+            let rho = if step % 4 == 0 { corners[step / 4 % corners.len()].max(0.0) } else { random.between(0.0, radius) };
+            let (flattest, steepest) = bottom.tangents(rho);
+            let tangent = random.between(flattest, steepest.min(flattest + 3.0));
+            let bend = bottom.bend(rho, tangent);
+            assert!(bend >= 0.0 && bend.is_finite(), "{profile:?} {rho} {tangent}");
+            bent += u32::from(bend > 0.0);
+            for _ in 0..400 {
+                let (at, angle) = (random.between(0.0, radius), random.between(0.0, TAU));
+                let (along, beside) = (at * angle.cos() - rho, at * angle.sin());
+                let under = bottom.low(rho) + tangent * along + 0.5 * bend * (along * along + beside * beside);
+                assert!(under <= bottom.low(at) + 1e-9, "{profile:?} {rho} {tangent} {bend}: {under} at {at}, {angle}");
+            }
+        }
+    }
+    assert!(bent > 1000, "{bent}");
+}
