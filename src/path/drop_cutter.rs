@@ -228,7 +228,7 @@ impl DropCutter {
     /// Rests the cutter on facets that are likely to be the highest: on a smooth part, where it stands on the plane of one facet, it
     /// touches that facet or one near it. What is found rules out nearly all others.
     fn rest_nearby(&self, query: &Query, guess: Option<usize>, highest: &mut Highest) {
-        const STEPS: usize = 3;
+        const STEPS: usize = 2;
         let mut next = guess.or_else(|| self.highest_over(query.at).map(|over| over.place));
         for _ in 0..STEPS {
             let Some(place) = next else { return };

@@ -98,7 +98,8 @@ export class PartMap {
     this.#canvas.width = this.#width * ratio;
     this.#canvas.height = height * ratio;
     this.#canvas.style.height = `${height}px`;
-    const context = this.#canvas.getContext('2d');
+    // Drawn on change alone and read for the setup sheet: by the processor it takes less time than by a slow graphics card.
+    const context = this.#canvas.getContext('2d', { willReadFrequently: true });
     context.scale(ratio, ratio);
     const [layer, label, term] = LAYERS.find(([name]) => name === this.#layer.value);
     const { scale, colourOf, keys } = colouringOf(this.#map, layer, this.#shown.tolerance);
@@ -124,7 +125,7 @@ export class PartMap {
       image.data[at + 3] = 255;
     }
     const raster = new OffscreenCanvas(columns, rows);
-    raster.getContext('2d').putImageData(image, 0, 0);
+    raster.getContext('2d', { willReadFrequently: true }).putImageData(image, 0, 0);
     const place = this.#place;
     context.imageSmoothingEnabled = false;
     context.drawImage(raster, place.left, place.top, columns * place.scale, rows * place.scale);
@@ -164,6 +165,7 @@ export class PartMap {
     this.#solid.resize(this.#width, Math.min(TALLEST, Math.max(LOWEST, this.#width * 0.66)));
     const shown = { map: this.#map, colourOf, places, cutter, path: this.#passes.value === 'yes' ? path : undefined, tips: path, file: await file?.() };
     if (this.#isSolid) await this.#solid.show(shown);
+    this.#showReadout();
     this.#solidCanvas.dataset.shown = String(Number(this.#solidCanvas.dataset.shown ?? 0) + 1);
   }
 
@@ -209,7 +211,8 @@ export class PartMap {
   #showReadout() {
     if (!this.#cross) {
       const tool = this.#isSolid && this.#toolAt !== null && this.#path;
-      this.#readout.textContent = tool ? this.#toolText(tool) : this.#isSolid ? 'Drag to turn the part, scroll to zoom, point at it to see the tool there.' : `Point at the part to read its values${this.#onBox ? '; drag to select a box' : ''}.`;
+      const coarse = this.#solid?.isCoarse ? ' Its facets would be slow to draw on this computer: the cells of the map are drawn.' : '';
+      this.#readout.textContent = tool ? this.#toolText(tool) : this.#isSolid ? `Drag to turn the part, scroll to zoom, point at it to see the tool there.${coarse}` : `Point at the part to read its values${this.#onBox ? '; drag to select a box' : ''}.`;
       return;
     }
     const { columns, cell_mm: cell, origin_mm: origin, z_mm: z, slope_deg: slope, scallop_height_mm: scallop, uncut_mm: uncut } = this.#map;

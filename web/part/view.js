@@ -62,6 +62,8 @@ export class PartView {
   #stale = el('p', { class: 'stale', role: 'status', hidden: true }, 'The fields have changed. The answer below is that of the earlier request.');
   #progress = el('progress', { max: '1', value: '0', 'aria-label': 'Upload' });
   #progressText = el('span', { role: 'status' });
+  // Not announced, as it changes every second.
+  #seconds = el('span', { class: 'muted', 'aria-hidden': 'true' });
   #progressBox = el('div', { class: 'progress', hidden: true });
   #go = el('button', { type: 'submit', class: 'primary' }, 'Find the cutter');
   #hint = el('section', { class: 'card hint' });
@@ -142,7 +144,7 @@ export class PartView {
   #panel() {
     const form = this.#form;
     const cancel = el('button', { type: 'button', onclick: () => this.#run?.abort() }, 'Cancel');
-    this.#progressBox.append(this.#progress, this.#progressText, cancel);
+    this.#progressBox.append(this.#progress, this.#progressText, this.#seconds, cancel);
     const copyButton = el('button', { type: 'button', onclick: () => this.#copyCurl(copyButton) }, 'Copy as curl');
     const linkButton = el('button', { type: 'button', onclick: () => copy(location.href, linkButton) }, 'Copy link');
     const group = (name, title, fields) => (this.#groups[name] = el('details', { class: 'group' }, el('summary', {}, title, el('span', { class: 'badge', hidden: true })), el('div', { class: 'grid' }, form.elements(...fields))));
@@ -393,8 +395,9 @@ export class PartView {
 
   #send(request, signal) {
     const onProgress = (share) => {
-      if (share < 1) this.#progress.value = share;
-      else this.#progress.removeAttribute('value');
+      this.#progress.value = share;
+      // A moving bar would take time from a service on the same computer.
+      this.#progress.hidden = share >= 1;
       this.#progressText.textContent = share < 1 ? `${Math.floor(share * 100)} % sent` : 'Computing…';
     };
     return send(request, onProgress, signal);
@@ -449,6 +452,10 @@ export class PartView {
     this.#progress.value = 0;
     this.#progressText.textContent = '';
     this.#progressBox.hidden = false;
+    const begun = performance.now();
+    const showSeconds = () => (this.#seconds.textContent = `${Math.round((performance.now() - begun) / 1000)} s`);
+    showSeconds();
+    const clock = setInterval(showSeconds, 1000);
     try {
       return await request(run.signal);
     } catch (error) {
@@ -456,6 +463,7 @@ export class PartView {
       else if (error.name !== 'AbortError') throw error;
       return null;
     } finally {
+      clearInterval(clock);
       if (this.#run === run) this.#progressBox.hidden = true;
     }
   }

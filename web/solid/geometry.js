@@ -38,19 +38,19 @@ function paint(colours, at, colour) {
   colours[at + 3] = 255;
 }
 
-/** The map's raster as a surface: {position, colour, index}. */
-export function surfaceOfMap({ columns, rows, cell_mm: cell, origin_mm: origin, z_mm: z }, frame, colourOf) {
+/** Every `step`-th point of the map's raster as a surface: {position, colour, index}. */
+export function surfaceOfMap({ columns, rows, cell_mm: cell, origin_mm: origin, z_mm: z }, frame, colourOf, step) {
   const [position, colour] = [new Float32Array(3 * columns * rows), new Uint8Array(4 * columns * rows)];
   const index = new Uint32Array(6 * (columns - 1) * (rows - 1));
   let count = 0;
-  for (let row = 0; row < rows; row += 1) {
-    for (let column = 0; column < columns; column += 1) {
+  for (let row = 0; row < rows; row += step) {
+    for (let column = 0; column < columns; column += step) {
       const at = row * columns + column;
       if (z[at] === null) continue;
       place(position, 3 * at, frame, origin[0] + (column + 0.5) * cell, origin[1] + (row + 0.5) * cell, z[at]);
       paint(colour, 4 * at, colourOf(at));
-      const corners = [at, at + 1, at + columns + 1, at + columns];
-      if (column + 1 === columns || row + 1 === rows || corners.some((corner) => z[corner] === null)) continue;
+      const corners = [at, at + step, at + step * (columns + 1), at + step * columns];
+      if (column + step >= columns || row + step >= rows || corners.some((corner) => z[corner] === null)) continue;
       index.set([corners[0], corners[1], corners[2], corners[0], corners[2], corners[3]], count);
       count += 6;
     }
@@ -58,10 +58,11 @@ export function surfaceOfMap({ columns, rows, cell_mm: cell, origin_mm: origin, 
   return { position, colour, index: index.subarray(0, count) };
 }
 
+/** The facets that the head of a binary STL counts. */
+export const facetsOfStl = (bytes) => new DataView(bytes).getUint32(80, true);
+
 /** Whether the bytes are a binary STL: its length is that of the facets that it counts. */
-export function isBinaryStl(bytes) {
-  return bytes.byteLength > STL_HEAD && STL_HEAD + STL_FACET * new DataView(bytes).getUint32(80, true) === bytes.byteLength;
-}
+export const isBinaryStl = (bytes) => bytes.byteLength > STL_HEAD && STL_HEAD + STL_FACET * facetsOfStl(bytes) === bytes.byteLength;
 
 /**
  * The facets of a binary STL in mm by `unit`, piece by piece: {position, colour}, three vertices for each facet. A vertex has the colour of the
@@ -69,7 +70,7 @@ export function isBinaryStl(bytes) {
  */
 export async function* piecesOfStl(bytes, unit, map, frame, colourOf, depth) {
   const view = new DataView(bytes);
-  const facets = view.getUint32(80, true);
+  const facets = facetsOfStl(bytes);
   const { columns, rows, cell_mm: cell, origin_mm: origin, z_mm: z } = map;
   const within = (value, most) => Math.min(most, Math.max(0, Math.floor(value)));
   for (let first = 0; first < facets; first += PIECE) {

@@ -3,7 +3,7 @@
 
 import { PLACES } from '../part/overlays.js';
 import { Camera, Geometry, Mesh, Orbit, Program, Renderer, Transform, Vec3 } from '../vendor/ogl/ogl.min.js';
-import { frameOf, isBinaryStl, linesOf, piecesOfStl, pointsOf, surfaceOfMap, toolOf } from './geometry.js';
+import { facetsOfStl, frameOf, isBinaryStl, linesOf, piecesOfStl, pointsOf, surfaceOfMap, toolOf } from './geometry.js';
 
 const VERTEX = `#version 300 es
 in vec3 position;
@@ -37,11 +37,20 @@ void main() {
   shown = vec4(tint.rgb * light, opacity);
 }`;
 const [TURN, ZOOM] = [0.12, 1.15];
+// The most facets that are drawn where the processor does a graphics card's work: with more, a frame takes longer than 0.1 s.
+const MOST_BY_PROCESSOR = 40_000;
 // Frames for the orbit to come to rest after a move.
 const SETTLES = 45;
 
 /** Whether the browser can show the view. */
 export const isPossible = () => document.createElement('canvas').getContext('webgl2') !== null;
+
+// Whether the processor does the graphics card's work, by the names of the common programs that do it.
+function isByProcessor() {
+  const gl = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true });
+  const info = gl?.getExtension('WEBGL_debug_renderer_info');
+  return !gl || /swiftshader|llvmpipe|software|basic render/i.test(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+}
 
 export class SolidView {
   element;
@@ -60,12 +69,15 @@ export class SolidView {
   #at = 0;
   #onTool;
   #version = 0;
+  #isByProcessor = isByProcessor();
+  /** Whether the map's cells are drawn as the surface because the file's facets would take too long. */
+  isCoarse = false;
 
   /** `onTool(cell, move)` is called with the cell of the map under the pointer and the index of the nearest move of the path; both may be null. */
   constructor(canvas, onTool) {
     this.element = canvas;
     this.#onTool = onTool;
-    this.#renderer = new Renderer({ canvas, dpr: Math.min(2, globalThis.devicePixelRatio || 1), alpha: true, antialias: true, preserveDrawingBuffer: true, webgl: 2 });
+    this.#renderer = new Renderer({ canvas, dpr: Math.min(2, globalThis.devicePixelRatio || 1), alpha: true, antialias: !this.#isByProcessor, preserveDrawingBuffer: true, webgl: 2 });
     this.#gl = this.#renderer.gl;
     // The surface stands back, so that the path on it is seen.
     this.#gl.enable(this.#gl.POLYGON_OFFSET_FILL);
@@ -92,13 +104,15 @@ export class SolidView {
     this.#shown = shown;
     if (!isSame) this.#look(frameOf(shown.map));
     const { map, colourOf, path, places, cutter, file } = shown;
-    this.#put('surface', [surfaceOfMap(map, this.#frame, colourOf)], { lit: 1 });
+    this.#put('surface', [surfaceOfMap(map, this.#frame, colourOf, this.#isByProcessor ? 2 : 1)], { lit: 1 });
     this.#put('path', path ? [linesOf(path, this.#frame)] : [], { mode: this.#gl.LINES });
     this.#put('places', places?.length ? [pointsOf(places, PLACES, this.#frame)] : [], { mode: this.#gl.POINTS, size: 11 });
     this.#put('tool', cutter?.type ? [toolOf(cutter)] : [], { lit: 1, opacity: 0.55 });
     if (this.#tool) this.#tool.visible = false;
+    const isStl = file && isBinaryStl(file.bytes);
+    this.isCoarse = isStl && this.#isByProcessor && facetsOfStl(file.bytes) > MOST_BY_PROCESSOR;
     this.#wake();
-    if (file && isBinaryStl(file.bytes)) await this.#showFacets(file, version);
+    if (isStl && !this.isCoarse) await this.#showFacets(file, version);
   }
 
   // The file's own facets take the place of the raster once they are all there.

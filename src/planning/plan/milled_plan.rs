@@ -32,11 +32,14 @@ struct Effort {
     rounds: RangeInclusive<usize>,
     /// The share of the lines that another round must spare to be worth its time.
     spared: f64,
+    /// The share of the area that may stay far over the scallop height before the feet of walls are looked for, which takes as long as
+    /// a few rounds.
+    standing: f64,
 }
 
 impl Effort {
-    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0 };
-    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005 };
+    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, standing: ENOUGH };
+    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, standing: 0.0 };
 }
 
 /// The most samples of a path's lines, some four seconds on two threads.
@@ -163,7 +166,7 @@ impl Planner<'_> {
                 return Err(NoPlan::NoRuns);
             }
             let mut plan = self.judged_plan(stations, family, &lines, &runs)?;
-            if self.left_standing(stations, &plan) > 0.0 {
+            if self.left_standing(stations, &plan) > effort.standing {
                 let along_borders = self.feet.get_or_init(|| Feet::of(workpiece, prepared, region, CHORD_SHARE * height, stop)).runs(
                     stations,
                     &plan.judged,
@@ -229,11 +232,12 @@ impl Planner<'_> {
         Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, ..plan })
     }
 
-    /// The area in mm^2 of places that the cutter reaches and the path leaves far over the scallop height.
+    /// The share of the area of places that the cutter reaches and the path leaves far over the scallop height.
     fn left_standing(&self, stations: &[Station], plan: &MilledPlan) -> f64 {
         let height = self.settings.scallop_height.mm();
         let stands = |(station, judged): &(&Station, &Judged)| station.lift <= height && judged.left.is_none_or(|left| left > 1.5 * height);
-        stations.iter().zip(&plan.judged).filter(stands).map(|(station, _)| station.place.area).sum()
+        let standing: f64 = stations.iter().zip(&plan.judged).filter(stands).map(|(station, _)| station.place.area).sum();
+        standing / stations.iter().map(|station| station.place.area).sum::<f64>().max(f64::MIN_POSITIVE)
     }
 }
 
