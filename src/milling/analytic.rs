@@ -95,7 +95,7 @@ impl Analytic {
         Self::fitting(pass)?.ok_or_else(|| gouging::reason(&pass))
     }
 
-    /// The same; `None` if the cutter does not fit.
+    /// Prepares the cutter in contact with the surface, or `None` if it does not fit.
     #[inline]
     pub(super) fn fitting(pass: Pass) -> Result<Option<Self>, NoAnswer> {
         let Some(relative_curvature) = gouging::relative_curvature(&pass) else { return Ok(None) };

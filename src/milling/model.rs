@@ -40,8 +40,8 @@ impl EvaluatedPass {
         Ok(Self { prepared })
     }
 
-    /// The same; `None` if the cutter does not fit a concave surface. The radius into which it would fit, which the error
-    /// of [`EvaluatedPass::new`] states, takes up to a hundred times as long.
+    /// Prepares the model, or `None` if the cutter does not fit a concave surface. The radius into which it would fit, which the
+    /// error of [`EvaluatedPass::new`] states, takes up to a hundred times as long.
     ///
     /// # Errors
     /// The other errors of [`Analytic::new`].

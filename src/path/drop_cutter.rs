@@ -112,7 +112,7 @@ impl Under {
         at_axis - self.plane_at_axis + greatest(0) + greatest(1)
     }
 
-    /// The same for a facet, somewhat more.
+    /// A height to which the points of a facet, given by its corners from the axis, raise the tip at most.
     fn raises_facet(&self, corners: [[f64; 3]; 3]) -> f64 {
         let over_plane = |[x, y, z]: [f64; 3]| z - self.plane_at_axis - self.gradient[0] * x - self.gradient[1] * y;
         let [a, b, c] = corners;

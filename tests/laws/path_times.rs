@@ -35,7 +35,7 @@ fn times_of_paths_are_those_of_an_independent_program() {
         // The fourth path is a curve in chords with random turns. The speeds at the ends of most of its pieces bound the
         // acceleration from below, and the time rises steeply there. The reference's time is 2.03 % over the least one that
         // its formula allows: of 3000 accelerations a piece none gives less than the service's time, within 0.1 % (a test of
-        // `path_time`), while the same rules with 60 or 200 accelerations a piece are 4.9 and 1.1 % longer than it.
+        // `path_time` on such a path), while the same rules with 60 or 200 accelerations a piece are 5.1 and 1.2 % longer than it.
         let bound = if number == 3 { 0.021 } else { 2e-4 };
         assert_relative_eq!(time, case.time_s, max_relative = bound);
     }

@@ -252,7 +252,7 @@ fn print_by_warning(name: &str, outcomes: &[Outcome]) {
 /// The share of a height that the simulation's rounding may reach.
 const REACHED: f64 = 1.001;
 
-/// The same on curved surfaces with runout, where the turning of the normal changes a height in the ratio of that for
+/// The share of a height that may be reached on curved surfaces with runout, where the turning of the normal changes a height in the ratio of that for
 /// marks of equal depth, which is an approximation.
 const REACHED_WITH_RUNOUT: f64 = 1.01;
 

@@ -69,7 +69,7 @@ impl Solid {
         [arc.centre[0] + arc.radius * angle.sin(), arc.centre[1] - arc.radius * angle.cos()]
     }
 
-    /// The same for the solid swept from one tip to another, where it is below `cap`; else `cap`. The distance along the
+    /// The distance of a point from the solid that the cutter sweeps from one tip to another, where it is below `cap`; else `cap`. The distance along the
     /// move is convex, and changes by no more than the tip moves.
     fn swept_distance(&self, point: [f64; 3], [from, to]: [[f64; 3]; 2], cap: f64) -> f64 {
         let at = |l: f64| self.distance([0, 1, 2].map(|axis| point[axis] - from[axis] - l * (to[axis] - from[axis])));

@@ -104,7 +104,7 @@ export class SolidView {
     this.#shown = shown;
     if (!isSame) this.#look(frameOf(shown.map));
     const { map, colourOf, path, places, cutter, file } = shown;
-    this.#put('surface', [surfaceOfMap(map, this.#frame, colourOf, this.#isByProcessor ? 2 : 1)], { lit: 1 });
+    this.#put('surface', [surfaceOfMap(map, this.#frame, colourOf, this.#isByProcessor && 2 * map.z_mm.length > MOST_BY_PROCESSOR ? 2 : 1)], { lit: 1 });
     this.#put('path', path ? [linesOf(path, this.#frame)] : [], { mode: this.#gl.LINES });
     this.#put('places', places?.length ? [pointsOf(places, PLACES, this.#frame)] : [], { mode: this.#gl.POINTS, size: 11 });
     this.#put('tool', cutter?.type ? [toolOf(cutter)] : [], { lit: 1, opacity: 0.55 });

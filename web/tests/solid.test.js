@@ -106,7 +106,7 @@ test('without WebGL the map from above stays', async () => {
   assert.ok(await page.locator('#view-part .map canvas:not(.solid)').first().isVisible());
 });
 
-/** Shows a part of a million facets in 3D and moves the mouse over it; returns the longest task of the page in ms. */
+/** Shows a part of a million facets in 3D and moves the mouse over it; returns what the page says below it. */
 async function showMillion(page, t) {
   await rank(page, { file: writeStl(1_000_000), diameter: 6, tolerance: 200 });
   await page.evaluate(() => {

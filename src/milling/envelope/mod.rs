@@ -114,7 +114,7 @@ impl Envelope {
         Self::fitting(pass).ok_or_else(|| gouging::reason(&pass))
     }
 
-    /// The same; `None` if the cutter does not fit.
+    /// Prepares the cutter in contact with the surface, or `None` if it does not fit.
     pub(in crate::milling) fn fitting(pass: Pass) -> Option<Self> {
         let relative_curvature = gouging::relative_curvature(&pass)?;
         let cutter: Cutter = pass.cutter.widened(pass.runout.radial());
