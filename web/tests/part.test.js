@@ -26,7 +26,7 @@ async function keepCutters(page, ...kept) {
   }
 }
 
-const choose = (page, name) => page.locator('[data-field="example"] select').selectOption(name);
+const choose = (page, name) => page.locator('#view-part [data-field="example"] select').selectOption(name);
 
 /** The rows of the ranking: [cutter, {figure: [full precision, text]}]. */
 const ranking = (page) =>
