@@ -352,9 +352,7 @@ impl Query {
             if beyond == [false; 3] {
                 let at = [contact[0] - self.at[0], contact[1] - self.at[1]];
                 let contact = [contact[0], contact[1], plane.height(contact)];
-                let bend = self.bottom.bend(stand.distance, tangent);
-                let under =
-                    Some(Under { at, gradient: plane.gradient, plane_at_axis: plane.height(self.at) - height, bend, radius: bend.recip() });
+                let under = Some(self.under([stand.distance, tangent], at, plane.gradient, plane.height(self.at) - height));
                 *highest = Highest { height, place, feature: Feature::Inside, contact, under };
                 return;
             }
@@ -414,10 +412,15 @@ impl Query {
         let under = (tangent < STEEPEST_UNDER).then(|| {
             let gradient = if rho > 0.0 { out.map(|part| part / rho * tangent) } else { [0.0; 2] };
             let plane_at_axis = found.contact[2] - found.height - tangent * rho;
-            let bend = self.bottom.bend(rho.min(self.bottom.radius()), tangent);
-            Under { at: out, gradient, plane_at_axis, bend, radius: bend.recip() }
+            self.under([rho.min(self.bottom.radius()), tangent], out, gradient, plane_at_axis)
         });
         *highest = Highest { under, ..found };
+    }
+
+    /// The paraboloid that touches the bottom at a distance from the axis where the slope has a tangent.
+    fn under(&self, [distance, tangent]: [f64; 2], at: [f64; 2], gradient: [f64; 2], plane_at_axis: f64) -> Under {
+        let bend = self.bottom.bend(distance, tangent);
+        Under { at, gradient, plane_at_axis, bend, radius: bend.recip() }
     }
 
     /// The reversed normal of the cutter where it touches an edge or its end.

@@ -128,29 +128,27 @@ async function showPartOf(facets, page, t) {
   return told;
 }
 
-/** Gives the browser's graphics this name. */
-const nameGraphics = (context, name) =>
-  context.addInitScript((shown) => {
+/** Shows a part of so many facets in a browser whose graphics have this name; returns what the page says below it. */
+async function showWith(graphics, facets, t) {
+  const { page, context, watch } = await visit('#contact');
+  await context.addInitScript((name) => {
     const { getParameter } = WebGL2RenderingContext.prototype;
     const [RENDERER, UNMASKED] = [0x1f01, 0x9246];
     WebGL2RenderingContext.prototype.getParameter = function get(kind) {
-      return kind === RENDERER || kind === UNMASKED ? shown : getParameter.call(this, kind);
+      return kind === RENDERER || kind === UNMASKED ? name : getParameter.call(this, kind);
     };
-  }, name);
+  }, graphics);
+  await page.goto(`${bench().address}?plain#part?method=surface`);
+  const told = await showPartOf(facets, page, t);
+  clean(watch);
+  return told;
+}
 
 test('where the processor draws, a million facets are drawn by the cells of the map, and the page says so', async (t) => {
-  const { page, context, watch } = await visit('#contact');
-  await nameGraphics(context, 'llvmpipe');
-  await page.goto(`${bench().address}?plain#part?method=surface`);
-  assert.match(await showPartOf(1_000_000, page, t), /cells of the map/);
-  clean(watch);
+  assert.match(await showWith('llvmpipe', 1_000_000, t), /cells of the map/);
 });
 
 // Fewer, as the browser of the tests has no graphics card and takes seconds for a frame of a million.
 test('where a graphics card draws, all facets of a file are drawn, and the page stays responsive', async (t) => {
-  const { page, context, watch } = await visit('#contact');
-  await nameGraphics(context, 'A graphics card');
-  await page.goto(`${bench().address}?plain#part?method=surface`);
-  assert.doesNotMatch(await showPartOf(100_000, page, t), /cells of the map/);
-  clean(watch);
+  assert.doesNotMatch(await showWith('A graphics card', 100_000, t), /cells of the map/);
 });
