@@ -6,6 +6,7 @@
 //! so is its least value over v in q. On a ray the swept solid is an interval, whose ends Newton's method finds from
 //! outside.
 
+use super::bottom::{Bottom, Highest, Touching};
 use crate::milling::{Profile, ProfileArc};
 
 /// The slope of the cutter's side in place of infinity, which would leave F without derivatives. Over 100 mm of height
@@ -15,31 +16,17 @@ const SIDE: f64 = 1e6;
 /// What is nearer to the surface of the solid than this, in mm of height, is on it.
 const ON: f64 = 1e-10;
 
+/// The tangent of the steepest slope at which a paraboloid rules out moves: on steeper ones its curvature is lost in rounding errors.
+const STEEPEST_BENT: f64 = 100.0;
+
 /// Newton's step in mm at which a search ends. Steps shrink quadratically: the error is far smaller.
 const STEP: f64 = 1e-7;
-
-#[derive(Debug, Clone, Copy)]
-enum Shape {
-    /// An arc about a centre at this distance from the axis and this height over the tip.
-    Arc { radius: f64, offset: f64, height: f64 },
-    /// A flat, a cone or the side, from this distance and height on.
-    Straight { slope: f64, start: f64, height: f64 },
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Element {
-    shape: Shape,
-    start: f64,
-    end: f64,
-    start_slope: f64,
-    end_slope: f64,
-}
 
 /// The solid of a cutter, infinitely high: low(rho) with finite slopes, and its support function.
 #[derive(Debug, Clone)]
 pub(super) struct Body {
     profile: Profile,
-    elements: Vec<Element>,
+    bottom: Bottom,
 }
 
 /// F's least value over a move for a point, where along the move it is, and the derivatives by the point's x and y.
@@ -71,95 +58,13 @@ pub(super) struct Ray {
     pub(super) tip: [f64; 3],
     /// H(-n): how far the solid reaches against the normal from its tip.
     support: f64,
-}
-
-impl Element {
-    fn value(&self, rho: f64) -> (f64, f64) {
-        match self.shape {
-            Shape::Straight { slope, start, height } => (height + slope * (rho - start), slope),
-            Shape::Arc { radius, offset, height } => {
-                let x = rho - offset;
-                let down = ((radius - x) * (radius + x)).max(0.0).sqrt();
-                let slope = if x < SIDE * down { x / down } else { SIDE };
-                (height - radius + x * x / (radius + down), slope)
-            }
-        }
-    }
-
-    /// The rho between `low` and the element's end where low'(rho) u/rho = grade with u = sqrt(rho^2 - across^2): there F
-    /// is least along a move. The quotient is under `grade` at `low` and over it at the end.
-    fn stationary(&self, low: f64, across_squared: f64, grade: f64) -> f64 {
-        match self.shape {
-            Shape::Straight { slope, .. } => {
-                let rho_squared = across_squared * (1.0 + grade * grade / ((slope - grade) * (slope + grade)));
-                rho_squared.sqrt().clamp(low, self.end)
-            }
-            Shape::Arc { radius, offset: 0.0, .. } => {
-                let along_squared = grade * grade * (radius * radius - across_squared).max(0.0) / (1.0 + grade * grade);
-                (along_squared + across_squared).sqrt()
-            }
-            Shape::Arc { radius, offset, .. } => {
-                // x u - grade rho sqrt(r^2 - x^2) = 0 with x = rho - e, by Newton's method within a bracket.
-                let (mut below, mut above) = (low, self.end);
-                let mut rho = offset + radius * grade / (1.0 + grade * grade).sqrt();
-                let u = (rho * rho - across_squared).max(0.0).sqrt();
-                if u > 0.0 {
-                    let steeper = grade * rho / u;
-                    rho = offset + radius * steeper / (1.0 + steeper * steeper).sqrt();
-                }
-                // F is least there: an error of 1e-6 of rho is one of 1e-12 in F.
-                while above - below > 1e-9 {
-                    if !(rho > below && rho < above) {
-                        rho = 0.5 * (below + above);
-                    }
-                    let x = rho - offset;
-                    let u = (rho * rho - across_squared).max(0.0).sqrt();
-                    let down = ((radius - x) * (radius + x)).max(0.0).sqrt();
-                    let f = x * u - grade * rho * down;
-                    if f < 0.0 {
-                        below = rho;
-                    } else {
-                        above = rho;
-                    }
-                    let step = f / (u + x * rho / u - grade * down + grade * rho * x / down);
-                    if step.abs() < 1e-6 {
-                        break;
-                    }
-                    rho -= step;
-                }
-                rho.clamp(low, self.end)
-            }
-        }
-    }
+    /// [`Bottom::bend`] where the solid touches the place, times n_z.
+    bend: f64,
 }
 
 impl Body {
     pub(super) fn new(profile: &Profile) -> Self {
-        let mut elements: Vec<Element> = Vec::with_capacity(8);
-        let mut reached = (0.0, 0.0);
-        for arc in profile.arcs() {
-            let (rho, height) = arc.point(arc.from);
-            if rho > reached.0 + 1e-9 {
-                let slope = (height - reached.1) / (rho - reached.0);
-                let shape = Shape::Straight { slope, start: reached.0, height: reached.1 };
-                elements.push(Element { shape, start: reached.0, end: rho, start_slope: slope, end_slope: slope });
-            }
-            let end = if arc.to.tan() < SIDE && arc.to > 0.0 || arc.to == 0.0 {
-                arc.point(arc.to)
-            } else {
-                (arc.centre_offset + arc.radius, arc.centre_height)
-            };
-            if arc.radius > 0.0 && end.0 > rho {
-                let shape = Shape::Arc { radius: arc.radius, offset: arc.centre_offset, height: arc.centre_height };
-                let (start_slope, end_slope) =
-                    (arc.from.tan(), if arc.to.tan() < SIDE && arc.to.tan() >= 0.0 { arc.to.tan() } else { SIDE });
-                elements.push(Element { shape, start: rho, end: end.0, start_slope, end_slope });
-            }
-            reached = end;
-        }
-        let side = Shape::Straight { slope: SIDE, start: reached.0, height: reached.1 };
-        elements.push(Element { shape: side, start: reached.0, end: f64::INFINITY, start_slope: SIDE, end_slope: SIDE });
-        Self { profile: *profile, elements }
+        Self { profile: *profile, bottom: Bottom::of(profile) }
     }
 
     pub(super) fn profile(&self) -> &Profile {
@@ -173,38 +78,28 @@ impl Body {
     /// low(rho) and its derivative.
     #[inline]
     fn value(&self, rho: f64) -> (f64, f64) {
-        for element in &self.elements {
-            if rho <= element.end {
-                return element.value(rho);
-            }
-        }
-        (f64::INFINITY, SIDE)
+        let beyond = rho - self.bottom.radius();
+        let (low, slope) = self.bottom.low_and_tangent(if beyond > 0.0 { self.bottom.radius() } else { rho });
+        if beyond > 0.0 { (low + SIDE * beyond, SIDE) } else { (low, slope.min(SIDE)) }
     }
 
     #[inline]
     pub(super) fn low(&self, rho: f64) -> f64 {
-        self.value(rho).0
+        let radius = self.bottom.radius();
+        self.bottom.low(rho.min(radius)) + SIDE * (rho - radius).max(0.0)
     }
 
     /// How far from the point's foot, back along the move, F is least on a line at the distance `across` and of this
     /// grade > 0, and whether that is at a corner of the profile, where F has no derivative.
     fn back(&self, across: f64, grade: f64) -> (f64, bool) {
-        let across_squared = across * across;
-        let along = |rho: f64| ((rho - across) * (rho + across)).max(0.0).sqrt();
-        for element in &self.elements {
-            if element.end <= across {
-                continue;
-            }
-            if element.end.is_finite() && element.end_slope * along(element.end) < grade * element.end {
-                continue;
-            }
-            let low = element.start.max(across);
-            if element.start_slope * along(low) >= grade * low && low > across || element.end_slope <= grade {
-                return (along(low), low > across);
-            }
-            return (along(element.stationary(low, across_squared, grade)), false);
+        let radius = self.bottom.radius();
+        let reach = ((radius - across) * (radius + across)).max(0.0).sqrt();
+        let Highest { at, is_corner } = self.bottom.highest_uphill(grade, across, 0.0, reach);
+        if at < reach {
+            return (at, is_corner);
         }
-        (0.0, false)
+        let on_side = across * grade / ((SIDE - grade) * (SIDE + grade)).sqrt();
+        if on_side > reach { (on_side, false) } else { (reach, reach > 0.0) }
     }
 
     /// Where along the move, in mm of plan length, F is least for the point q.
@@ -241,13 +136,13 @@ impl Body {
     }
 
     pub(super) fn ray(&self, point: [f64; 3], normal: [f64; 3]) -> Ray {
-        let sin = normal[0].hypot(normal[1]);
+        let sin = (normal[0] * normal[0] + normal[1] * normal[1]).sqrt();
         let cos = normal[2];
-        let arc = self.profile.arc_at(sin.atan2(cos));
-        let rho = arc.centre_offset + arc.radius * sin;
+        let tangent = sin / cos;
+        let Touching { distance, height, support } = self.bottom.touching(sin, cos);
         let (ux, uy) = if sin > 0.0 { (normal[0] / sin, normal[1] / sin) } else { (0.0, 0.0) };
-        let tip = [rho * ux, rho * uy, arc.radius * cos - arc.centre_height];
-        Ray { point, normal, tip, support: arc.radius + arc.centre_offset * sin - arc.centre_height * cos }
+        let bend = if tangent < STEEPEST_BENT { cos * self.bottom.bend(distance, tangent) } else { 0.0 };
+        Ray { point, normal, tip: [distance * ux, distance * uy, -height], support, bend }
     }
 
     /// The level t at which the ray p + t n enters the solid swept by the move: `None` if it does not, if that is not
@@ -372,6 +267,22 @@ impl Swept {
         let [a, b] = [self.start, self.end()];
         let along = |tip: [f64; 3]| (0..3).map(|axis| ray.normal[axis] * (tip[axis] - ray.point[axis])).sum::<f64>();
         along(a).min(along(b)) - ray.support
+    }
+
+    /// Whether a paraboloid around the solid, which touches it where the place would be touched, shows that the ray does not enter
+    /// the solid swept by the move between 0 and `best`.
+    ///
+    /// With D from the tip that touches the place to a tip of the move, F at p + t n is at least
+    /// (n.D - t)/n_z + bend/2 |D_xy - t n_xy|^2.
+    #[inline]
+    pub(super) fn is_beyond(&self, ray: &Ray, best: f64) -> bool {
+        if best <= 0.0 {
+            return false;
+        }
+        let half = 0.5 * best;
+        let [x, y] = [0, 1].map(|axis| ray.point[axis] + ray.tip[axis] + half * ray.normal[axis]);
+        let distance = self.distance_squared(x, y).sqrt() - half;
+        self.tangent_plane(ray) + 0.5 * ray.bend * distance.max(0.0).powi(2) >= best
     }
 
     /// The square of the distance in plan view.

@@ -44,6 +44,26 @@ struct ArcOfSlopes {
     z: f64,
 }
 
+/// The point where a cutter touches a plane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touching {
+    /// Its distance from the axis.
+    pub(super) distance: f64,
+    /// Its height over the tip.
+    pub(super) height: f64,
+    /// The distance of the plane from the tip, along the normal.
+    pub(super) support: f64,
+}
+
+/// Where on an uphill line, seen from the cutter's axis, the line is highest over the bottom.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Highest {
+    /// The distance along the line from the point nearest to the axis.
+    pub(super) at: f64,
+    /// Whether the line touches a corner of the profile there.
+    pub(super) is_corner: bool,
+}
+
 /// How a cutter stands on a plane.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stand {
@@ -91,6 +111,12 @@ impl Bottom {
     /// low(rho) for 0 <= rho <= R.
     pub(super) fn low(&self, rho: f64) -> f64 {
         self.piece_at(rho).map_or(0.0, |piece| piece.height(rho))
+    }
+
+    /// low(rho) for 0 <= rho <= R, and its derivative: infinite where the side begins.
+    #[inline]
+    pub(super) fn low_and_tangent(&self, rho: f64) -> (f64, f64) {
+        self.piece_at(rho).map_or((0.0, f64::INFINITY), |piece| (piece.height(rho), piece.tangent(rho)))
     }
 
     /// The tangents of the profile's slope at the distance rho, inside and outside of it. They differ at a corner.
@@ -145,11 +171,22 @@ impl Bottom {
 
     /// How the cutter stands on a plane whose slope has this tangent. Of several points that touch, the outermost counts.
     pub(super) fn on_plane(&self, tangent: f64) -> Stand {
-        let arcs = &self.arcs[..self.arc_count];
-        let arc = arcs.iter().rev().find(|arc| tangent >= arc.from).unwrap_or(&arcs[0]);
+        let arc = self.arc_at(tangent);
         let secant = (1.0 + tangent * tangent).sqrt();
         // e + r sin S; e tan S - z + r / cos S
         Stand { rise: arc.e * tangent - arc.z + arc.r * secant, distance: arc.e + arc.r * tangent / secant }
+    }
+
+    /// The point that touches a plane with this sine and cosine of its slope.
+    pub(super) fn touching(&self, sin: f64, cos: f64) -> Touching {
+        let arc = self.arc_at(sin / cos);
+        Touching { distance: arc.e + arc.r * sin, height: arc.z - arc.r * cos, support: arc.r + arc.e * sin - arc.z * cos }
+    }
+
+    /// The arc that touches planes whose slope has this tangent: the outermost of several.
+    fn arc_at(&self, tangent: f64) -> &ArcOfSlopes {
+        let arcs = &self.arcs[..self.arc_count];
+        arcs.iter().rev().find(|arc| tangent >= arc.from).unwrap_or(&arcs[0])
     }
 
     /// Where a straight line limits the cutter most. Seen from above the line passes the axis at the distance h; s counts
@@ -163,18 +200,21 @@ impl Bottom {
         if h > self.radius || first > last {
             return None;
         }
-        let s = if tangent < 0.0 { -self.highest_uphill(-tangent, h, -last, -first) } else { self.highest_uphill(tangent, h, first, last) };
+        let s =
+            if tangent < 0.0 { -self.highest_uphill(-tangent, h, -last, -first).at } else { self.highest_uphill(tangent, h, first, last).at };
         Some((s, tangent * s - self.low((h * h + s * s).sqrt().min(self.radius))))
     }
 
-    fn highest_uphill(&self, tangent: f64, h: f64, first: f64, last: f64) -> f64 {
+    /// The s from `first` to `last` at which tangent s - low(sqrt(h^2 + s^2)) is largest, for tangent >= 0.
+    pub(super) fn highest_uphill(&self, tangent: f64, h: f64, first: f64, last: f64) -> Highest {
+        let end = |at: f64| Highest { at, is_corner: false };
         if last <= 0.0 {
-            return last;
+            return end(last);
         }
         // Uphill is towards positive s: the largest value is not before s = 0.
         let first = first.max(0.0);
         if tangent <= 0.0 {
-            return first;
+            return end(first);
         }
         for piece in self.pieces() {
             if piece.outer <= h {
@@ -183,17 +223,17 @@ impl Bottom {
             let from = if piece.inner > h { ((piece.inner - h) * (piece.inner + h)).sqrt() } else { 0.0 }.max(first);
             let to = ((piece.outer - h) * (piece.outer + h)).sqrt().min(last);
             if from >= last {
-                return last;
+                return end(last);
             }
             if to <= from {
                 continue;
             }
             let Some(level) = piece.level_point(tangent, h, from, to) else { continue };
             if level < to {
-                return level.max(from);
+                return Highest { at: level.max(from), is_corner: level <= from && from > first };
             }
         }
-        last
+        end(last)
     }
 }
 

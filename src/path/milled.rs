@@ -280,6 +280,9 @@ impl Search<'_> {
             if swept.lowest + self.body.low(distance) >= target.top {
                 continue;
             }
+            if swept.is_beyond(self.ray, self.best) {
+                continue;
+            }
             if let Some(level) = self.body.entry(swept, self.ray, self.best) {
                 self.best = level;
                 self.by = Some(index);
