@@ -46,11 +46,16 @@ fn waves(n: u32, facet_limit: usize) -> Mesh {
     builder.finish(Unit::Millimetre, Facing::Up).expect("a mesh")
 }
 
-/// Toroidal and ball-end cutters in turn, with diameters from 10 mm in steps of 0.1 mm.
+/// Toroidal and ball-end cutters in turn: two of 10 mm, or more with diameters from 2 to 17 mm.
 fn cutters(count: u32) -> Vec<Cutter> {
     let cutter = |index: u32| {
-        let diameter = mm(10.0 + 0.1 * f64::from(index));
-        if index.is_multiple_of(2) { Cutter::toroidal(diameter, mm(2.0)).expect("a corner under 5 mm") } else { Cutter::ball_end(diameter) }
+        let diameter = if count <= 2 { mm(10.0) } else { mm(2.0 + 15.0 * f64::from(index) / f64::from(count - 1)) };
+        let corner = mm(0.2 * diameter.mm());
+        if index.is_multiple_of(2) {
+            Cutter::toroidal(diameter, corner).expect("a corner under the radius")
+        } else {
+            Cutter::ball_end(diameter)
+        }
     };
     (0..count).map(cutter).collect()
 }

@@ -16,6 +16,9 @@ const SIDE: f64 = 1e6;
 /// What is nearer to the surface of the solid than this, in mm of height, is on it.
 const ON: f64 = 1e-10;
 
+/// A depth of this share of the largest possible one is not searched for longer.
+const ALL: f64 = 0.999;
+
 /// The tangent of the steepest slope at which a paraboloid rules out moves: on steeper ones its curvature is lost in rounding errors.
 const STEEPEST_BENT: f64 = 100.0;
 
@@ -185,7 +188,7 @@ impl Body {
             if at(0.0).0 > 1e3 * ON {
                 return None;
             }
-            t = t.max(-self.depth(swept, ray.point));
+            t = t.max(-self.depth(swept, ray.point, -t));
         }
         (t < best).then_some(t)
     }
@@ -193,12 +196,16 @@ impl Body {
     /// How far the point is in the solid: the largest distance from the surface of the cutter at any tip of the move.
     ///
     /// At the edge of a part the depth along a facet's normal jumps, from nothing to a wall's height where the cutter's side
-    /// passes over the edge by a rounding error. This one does not.
-    fn depth(&self, swept: &Swept, point: [f64; 3]) -> f64 {
+    /// passes over the edge by a rounding error. This one does not. It is at most that along the normal.
+    fn depth(&self, swept: &Swept, point: [f64; 3], along_normal: f64) -> f64 {
         let at = |v: f64| {
             let (x, y) = (point[0] - swept.start[0] - v * swept.along[0], point[1] - swept.start[1] - v * swept.along[1]);
-            self.depth_at(x.hypot(y), point[2] - swept.start[2] - v * swept.grade)
+            self.depth_at((x * x + y * y).sqrt(), point[2] - swept.start[2] - v * swept.grade)
         };
+        let at_lowest = at(self.lowest_along(swept, point));
+        if at_lowest >= ALL * along_normal {
+            return at_lowest;
+        }
         // Concave: the distance from the border of a convex solid is. By golden sections.
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
         let (mut low, mut high) = (0.0, swept.length);
@@ -231,6 +238,30 @@ impl Body {
             arc.radius - (x * sin - y * cos).max(ends[0]).max(ends[1])
         };
         self.profile.arcs().iter().map(from).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl Ray {
+    /// The tip that touches the place.
+    pub(super) fn standing(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.point[axis] + self.tip[axis])
+    }
+
+    /// Whether the ray does not enter the solid at any of some tips between 0 and `best`: n.D is at least `along`, and |D_xy| at least
+    /// `distance`, with D from the tip that touches the place to any of them.
+    ///
+    /// A paraboloid that touches the solid in the place and contains it shows that: F at p + t n is at least
+    /// (n.D - t)/n_z + bend/2 |D_xy - t n_xy|^2.
+    #[inline]
+    pub(super) fn rules_out(&self, along: f64, distance: f64, best: f64) -> bool {
+        best > 0.0 && along + 0.5 * self.bend * (distance - best).max(0.0).powi(2) >= best
+    }
+
+    /// The same for the tips of a move.
+    #[inline]
+    pub(super) fn rules_out_move(&self, swept: &Swept, best: f64) -> bool {
+        let [x, y, _] = self.standing();
+        self.rules_out(swept.tangent_plane(self), swept.distance_squared(x, y).sqrt(), best)
     }
 }
 
@@ -267,22 +298,6 @@ impl Swept {
         let [a, b] = [self.start, self.end()];
         let along = |tip: [f64; 3]| (0..3).map(|axis| ray.normal[axis] * (tip[axis] - ray.point[axis])).sum::<f64>();
         along(a).min(along(b)) - ray.support
-    }
-
-    /// Whether a paraboloid around the solid, which touches it where the place would be touched, shows that the ray does not enter
-    /// the solid swept by the move between 0 and `best`.
-    ///
-    /// With D from the tip that touches the place to a tip of the move, F at p + t n is at least
-    /// (n.D - t)/n_z + bend/2 |D_xy - t n_xy|^2.
-    #[inline]
-    pub(super) fn is_beyond(&self, ray: &Ray, best: f64) -> bool {
-        if best <= 0.0 {
-            return false;
-        }
-        let half = 0.5 * best;
-        let [x, y] = [0, 1].map(|axis| ray.point[axis] + ray.tip[axis] + half * ray.normal[axis]);
-        let distance = self.distance_squared(x, y).sqrt() - half;
-        self.tangent_plane(ray) + 0.5 * ray.bend * distance.max(0.0).powi(2) >= best
     }
 
     /// The square of the distance in plan view.

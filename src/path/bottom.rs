@@ -200,8 +200,11 @@ impl Bottom {
         if h > self.radius || first > last {
             return None;
         }
-        let s =
-            if tangent < 0.0 { -self.highest_uphill(-tangent, h, -last, -first).at } else { self.highest_uphill(tangent, h, first, last).at };
+        let s = if tangent < 0.0 {
+            -self.highest_uphill(-tangent, h, -last, -first).at
+        } else {
+            self.highest_uphill(tangent, h, first, last).at
+        };
         Some((s, tangent * s - self.low((h * h + s * s).sqrt().min(self.radius))))
     }
 
@@ -290,16 +293,13 @@ fn level_point_of_torus(tangent: f64, h: f64, r: f64, e: f64, from: f64, to: f64
         let rise = s / rho;
         (tangent * q * rho - w * s, tangent * (q * rise - w * rise * rho / q) - rise * s - w)
     };
-    if value(from).0 <= 0.0 {
-        return Some(from);
-    }
-    if value(to).0 >= 0.0 {
-        return None;
-    }
+    // Where the line passes the axis itself, w = r sin S: a first guess, too near to the axis for other lines. There the bottom is
+    // as much steeper than the line as s is shorter than rho.
+    let of_slope = |tangent: f64| e + r * tangent / (1.0 + tangent * tangent).sqrt();
+    let on_line = |rho: f64| ((rho - h) * (rho + h)).max(0.0).sqrt();
+    let through_axis = of_slope(tangent);
+    let mut s = on_line(of_slope(tangent * through_axis / on_line(through_axis).max(1e-3 * h)));
     let (mut low, mut high) = (from, to);
-    // Where the line passes the axis itself, w = r sin S: a first guess, too near to the axis for other lines.
-    let through_axis = e + r * tangent / (1.0 + tangent * tangent).sqrt();
-    let mut s = if through_axis > h { ((through_axis - h) * (through_axis + h)).sqrt() } else { from };
     if !(s > from && s < to) {
         s = 0.5 * (from + to);
     }
@@ -312,6 +312,13 @@ fn level_point_of_torus(tangent: f64, h: f64, r: f64, e: f64, from: f64, to: f64
         }
         let newton = s - f / derivative;
         let is_safe = newton > low && newton < high && (step < 8 || step % 2 == 0);
+        // The ends are looked at only where the search seems to leave them.
+        if !is_safe && low == from && value(from).0 <= 0.0 {
+            return Some(from);
+        }
+        if !is_safe && high == to && value(to).0 >= 0.0 {
+            return None;
+        }
         let next = if is_safe { newton } else { 0.5 * (low + high) };
         let moved = (next - s).abs();
         s = next;

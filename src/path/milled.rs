@@ -268,19 +268,20 @@ impl Search<'_> {
     fn cell(&mut self, column: isize, row: isize, target: &mut Target) {
         let (lowest, distance) = self.grid.bound(column, row, target.centre[0], target.centre[1]);
         // A cell without moves has an infinite lowest height.
-        if lowest >= target.top || lowest + self.body.low((distance - target.half_width).max(0.0)) >= target.top {
+        if lowest >= target.top {
+            return;
+        }
+        let (along, from_tip) = self.grid.least_along(column, row, lowest, self.ray.standing(), self.ray.normal);
+        if self.ray.rules_out(along, from_tip, self.best) || lowest + self.body.low((distance - target.half_width).max(0.0)) >= target.top {
             return;
         }
         for &index in self.grid.moves_in(column, row) {
             let swept = &self.swept[index as usize];
-            if swept.lowest >= target.top || self.by == Some(index) {
+            if swept.lowest >= target.top || self.by == Some(index) || self.ray.rules_out_move(swept, self.best) {
                 continue;
             }
             let distance = (swept.distance_squared(target.centre[0], target.centre[1]).sqrt() - target.half_width).max(0.0);
             if swept.lowest + self.body.low(distance) >= target.top {
-                continue;
-            }
-            if swept.is_beyond(self.ray, self.best) {
                 continue;
             }
             if let Some(level) = self.body.entry(swept, self.ray, self.best) {

@@ -150,6 +150,20 @@ impl MoveGrid {
         (lowest, (dx * dx + dy * dy).sqrt())
     }
 
+    /// For tips in a cell at `lowest` or higher, the least of n.D, with D from the place `at` to the tip, and the distance in plan view of
+    /// `at` from the cell.
+    #[inline]
+    pub(super) fn least_along(&self, column: isize, row: isize, lowest: f64, at: [f64; 3], normal: [f64; 3]) -> (f64, f64) {
+        let (mut along, mut distance) = (normal[2] * (lowest - at[2]), 0.0);
+        for (axis, place) in [column, row].into_iter().enumerate() {
+            let low = self.origin[axis] + place as f64 * self.cell - at[axis];
+            let high = low + self.cell;
+            along += (normal[axis] * low).min(normal[axis] * high);
+            distance += low.max(-high).max(0.0).powi(2);
+        }
+        (along, distance.sqrt())
+    }
+
     #[inline]
     pub(super) fn moves_in(&self, column: isize, row: isize) -> &[u32] {
         let at = row as usize * self.columns + column as usize;

@@ -108,16 +108,15 @@ impl FinishFigures {
             far += if material > FAR * height { area } else { 0.0 };
             heights.push(if material.is_finite() { material } else { station.lift.max(height) });
         }
-        heights.sort_unstable_by(f64::total_cmp);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             clippy::cast_precision_loss,
             reason = "a place among the heights"
         )]
-        let at = |share: f64| {
+        let mut at = |share: f64| {
             let place = (share * heights.len() as f64) as usize;
-            Length::computed(heights.get(place.min(heights.len().saturating_sub(1))).copied().unwrap_or(0.0))
+            Length::computed(at_rank(&mut heights, place, f64::total_cmp).unwrap_or(0.0))
         };
         let gouge = judged.iter().filter_map(|judged| judged.left).fold(0.0, |deepest: f64, left| deepest.max(-left));
         let of = |area: f64| if whole > 0.0 { area / whole } else { 0.0 };
@@ -134,6 +133,12 @@ impl FinishFigures {
             gouge: Length::computed(gouge),
         }
     }
+}
+
+/// The value that would be at this index, or the last one, if the values were in order; `None` if there are none.
+fn at_rank<T: Copy>(values: &mut [T], index: usize, order: impl FnMut(&T, &T) -> std::cmp::Ordering) -> Option<T> {
+    let index = index.min(values.len().checked_sub(1)?);
+    Some(*values.select_nth_unstable_by(index, order).1)
 }
 
 /// The largest changes of a strip's spacing in one round.
@@ -185,10 +190,7 @@ pub(super) fn respace(
         .map(|heights| {
             // A thousandth of a strip's area may be over.
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);
-            let [highest, ridge] = [0, 1].map(|of| {
-                heights.sort_unstable_by(|a, b| a[of].total_cmp(&b[of]));
-                heights.get(place).map(|heights| heights[of])
-            });
+            let [highest, ridge] = [0, 1].map(|of| at_rank(heights, place, |a, b| a[of].total_cmp(&b[of])).map(|heights| heights[of]));
             #[expect(clippy::cast_precision_loss, reason = "thousands")]
             let missed = 1.0 + MISSED / heights.len().max(1) as f64;
             let factor = |(highest, ridge): (f64, f64)| {

@@ -122,7 +122,7 @@ impl CutterSpacing {
         let on_plane = match &self.law {
             Law::Constant { squared } => squared * ratio_squared,
             Law::Circle { height } => {
-                let arc = self.profile.arc_at(tangent.slope());
+                let arc = self.profile.arc_at(tangent.slope);
                 let (core, corner) = (arc.centre_offset, arc.radius);
                 // R_eff = core cos^2(omega) / sin(S) + r with cos^2(omega) = cos^2(alpha) / ratio^2; infinite on a
                 // floor.
@@ -153,7 +153,7 @@ impl CutterSpacing {
         if steepest == 0.0 && twist == 0.0 && level == 0.0 {
             return on_plane;
         }
-        let arc = self.profile.arc_at(tangent.slope());
+        let arc = self.profile.arc_at(tangent.slope);
         let (core, corner) = (arc.centre_offset, arc.radius);
         // n/q = 1/((R - r)/sin(S) + r), the body's curvature along the level line; 1/r for a ball at every slope. All
         // quadratic forms are multiplied by q, so that a single division is needed.
@@ -344,7 +344,15 @@ mod tests {
 
     fn tangent(slope: f64) -> Tangent {
         let (sin, cos) = slope.to_radians().sin_cos();
-        Tangent { down_hill: [1.0, 0.0], sin, cos, per_cos: cos.recip(), curvature: [0.0; 3], place: place_of(sin) }
+        Tangent {
+            down_hill: [1.0, 0.0],
+            slope: slope.to_radians(),
+            sin,
+            cos,
+            per_cos: cos.recip(),
+            curvature: [0.0; 3],
+            place: place_of(sin),
+        }
     }
 
     /// The least and the largest ratio of the interpolated spacing to the model's, for random cutters, heights, slopes

@@ -93,9 +93,11 @@ impl Allowed {
         let mut most = squared.clone();
         // Over the whole direction, the stations of the least share of the area are left out.
         let mut by_spacing: Vec<&Seen> = spread.seen.iter().collect();
-        by_spacing.sort_unstable_by(|a, b| a.squared.total_cmp(&b.squared));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss, reason = "a share of a count")]
         let omitted = (left_out * by_spacing.len() as f64) as usize;
+        if (1..by_spacing.len()).contains(&omitted) {
+            by_spacing.select_nth_unstable_by(omitted, |a, b| a.squared.total_cmp(&b.squared));
+        }
         for seen in &by_spacing[omitted.min(by_spacing.len())..] {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the bins")]
             let bin = (((seen.across - first) / width) as usize).min(count - 1);

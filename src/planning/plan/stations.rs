@@ -37,7 +37,7 @@ fn station(workpiece: &Workpiece, profile: &Profile, place: DrawnPlace, toleranc
     let tangent = &workpiece.tangents[place.target];
     let guess = Some(workpiece.facet_of(place.target));
     let [x, y, z] = place.point;
-    let (offset, height) = profile.arc_at(tangent.slope()).point(tangent.slope());
+    let (offset, height) = profile.arc_at(tangent.slope).point(tangent.slope);
     let flat = profile.arcs()[0].point(0.0).0;
     let lift_at = |axis: [f64; 2], tip: f64| workpiece.drop.drop(profile, axis[0], axis[1], guess).map(|touch| (touch.height - tip, touch));
     // Under the flat a level place is finished from every axis within the flat's radius; on a slope the flat leaves

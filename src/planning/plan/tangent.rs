@@ -8,6 +8,8 @@ use crate::surface::FinishFacet;
 pub(super) struct Tangent {
     /// The horizontal unit vector down the slope; +X on a level facet.
     pub(super) down_hill: [f64; 2],
+    /// S in rad, and its sine and cosine.
+    pub(super) slope: f64,
     pub(super) sin: f64,
     pub(super) cos: f64,
     /// 1/cos(S)
@@ -29,7 +31,7 @@ impl Tangent {
         let level = [-down_hill[1], down_hill[0], 0.0];
         let curvature =
             [facet.curvature_between(steepest, steepest), facet.curvature_between(steepest, level), facet.curvature_between(level, level)];
-        Self { down_hill, sin, cos, per_cos: length / z, curvature, place: place_of(sin) }
+        Self { down_hill, slope: sin.atan2(cos), sin, cos, per_cos: length / z, curvature, place: place_of(sin) }
     }
 
     /// cos(alpha) and sin(alpha) of a direction seen from above, alpha counted from the steepest line down the slope.
@@ -42,10 +44,5 @@ impl Tangent {
     /// surface.
     pub(super) fn ratio_squared(&self, cos_alpha: f64) -> f64 {
         self.cos * self.cos + (self.sin * cos_alpha) * (self.sin * cos_alpha)
-    }
-
-    /// S in rad.
-    pub(super) fn slope(&self) -> f64 {
-        self.sin.atan2(self.cos)
     }
 }

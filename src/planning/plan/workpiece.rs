@@ -106,7 +106,7 @@ impl Workpiece {
 
     /// Whether the slope of a target is between two, in rad.
     pub(super) fn is_sloped(&self, target: usize, [from, to]: [f64; 2]) -> bool {
-        (from..=to).contains(&self.tangents[target].slope())
+        (from..=to).contains(&self.tangents[target].slope)
     }
 
     /// The number of facets that are machined.
@@ -201,7 +201,7 @@ impl Workpiece {
         for (tangent, target) in self.tangents.iter().zip(&self.targets) {
             let [steepest, twist, level] = tangent.curvature;
             sums[0] += target.area;
-            sums[1] += target.area * tangent.slope();
+            sums[1] += target.area * tangent.slope;
             sums[2] += target.area * (steepest * steepest + level * level + 2.0 * twist * twist).sqrt();
         }
         let [area, slopes, curvature] = sums;
