@@ -313,10 +313,10 @@ fn level_point_of_torus(tangent: f64, h: f64, r: f64, e: f64, from: f64, to: f64
         let newton = s - f / derivative;
         let is_safe = newton > low && newton < high && (step < 8 || step % 2 == 0);
         // The ends are looked at only where the search seems to leave them.
-        if !is_safe && low == from && value(from).0 <= 0.0 {
+        if !is_safe && low <= from && value(from).0 <= 0.0 {
             return Some(from);
         }
-        if !is_safe && high == to && value(to).0 >= 0.0 {
+        if !is_safe && high >= to && value(to).0 >= 0.0 {
             return None;
         }
         let next = if is_safe { newton } else { 0.5 * (low + high) };
