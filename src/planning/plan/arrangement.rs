@@ -40,6 +40,13 @@ pub(super) struct Planned {
     seconds: f64,
 }
 
+impl Planned {
+    /// Whether both have the same cutter and lines, and so the same estimate that they machine the same facets.
+    pub(super) fn is_alike(&self, other: &Self) -> bool {
+        (self.tool, self.family, self.is_rest, self.seconds) == (other.tool, other.family, other.is_rest, other.seconds)
+    }
+}
+
 /// Operations in their order.
 #[derive(Debug, Clone)]
 pub(super) struct Arrangement {
@@ -84,6 +91,10 @@ impl Arranger<'_> {
         found.extend(with_rest);
         found.retain(|found| (2..=self.most).contains(&found.operations.len()));
         found.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        // Divisions at several slopes are one where no facet lies between the slopes.
+        found.dedup_by(|a, b| {
+            a.operations.len() == b.operations.len() && a.operations.iter().zip(&b.operations).all(|(a, b)| a.is_alike(b))
+        });
         found
     }
 

@@ -9,7 +9,7 @@ use super::tangent::Tangent;
 use crate::quantity::Angle;
 
 /// A direction of lines seen from above.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Heading {
     /// The unit vector along the lines.
     pub(super) along: [f64; 2],
@@ -39,7 +39,7 @@ impl Heading {
 }
 
 /// A family of lines.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Family {
     /// Vertical planes.
     Planes(Heading),

@@ -25,6 +25,9 @@ const MOST_PLANNED: usize = 3;
 /// An arrangement whose estimate is over this factor of the shortest is not planned.
 const PLANNED_WITHIN: f64 = 1.25;
 
+/// The share of a draft's time that its plan takes at least.
+const DRAFT_SURE: f64 = 0.9;
+
 /// The cutters among which operations choose, at most.
 const MOST_TOOLS: usize = 12;
 
@@ -99,9 +102,9 @@ pub(super) fn operations(
     let keeps = single.and_then(|single| Some(single.milled?.finish.far_over_share <= KEPT));
     let mut limit = single.filter(|_| keeps == Some(true)).map_or(f64::INFINITY, |single| single.time.seconds());
     let samples = Cell::new(0);
+    let mut arranged = Arranged { workpiece, settings, tools: &tools, area, samples: &samples, stop, known: Vec::new() };
     let mut best = None;
     for arrangement in arrangements.iter().take_while(|each| each.seconds <= PLANNED_WITHIN * shortest).take(MOST_PLANNED) {
-        let arranged = Arranged { workpiece, settings, tools: &tools, area, samples: &samples, stop };
         let Ok(plan) = arranged.plan(arrangement, &unseen, limit) else { continue };
         let is_kept = plan.finish.far_over_share <= KEPT && plan.finish.uncut_share <= settings.max_uncut_share;
         if is_kept && plan.time.seconds() < limit {
@@ -149,18 +152,22 @@ struct Arranged<'a> {
     area: f64,
     samples: &'a Cell<usize>,
     stop: &'a (dyn Fn() -> bool + Sync),
+    /// The plans of operations that several arrangements may have: all but those of rests.
+    known: Vec<(Planned, OperationPlan)>,
 }
 
 impl Arranged<'_> {
     /// The operations planned and milled together, unless they take longer than `limit` s.
-    fn plan(&self, arrangement: &Arrangement, unseen: &[DrawnPlace], limit: f64) -> Result<OperationsPlan, NoPlan> {
+    fn plan(&mut self, arrangement: &Arrangement, unseen: &[DrawnPlace], limit: f64) -> Result<OperationsPlan, NoPlan> {
         let Self { workpiece, settings, tools, stop, .. } = *self;
         let mut operations: Vec<OperationPlan> = Vec::new();
         let mut seconds = 0.0;
         for (index, planned) in arrangement.operations.iter().enumerate() {
-            operations.push(self.operation(planned, &arrangement.operations[..index])?);
-            let is_change = index > 0 && arrangement.operations[index - 1].tool != planned.tool;
-            seconds += operations[index].figures.tour.seconds + if is_change { settings.machine.change_time().seconds() } else { 0.0 };
+            if index > 0 && arrangement.operations[index - 1].tool != planned.tool {
+                seconds += settings.machine.change_time().seconds();
+            }
+            operations.push(self.known_operation(planned, &arrangement.operations[..index], limit - seconds)?);
+            seconds += operations[index].figures.tour.seconds;
             if seconds >= limit {
                 return Err(NoPlan::NoLines);
             }
@@ -173,6 +180,12 @@ impl Arranged<'_> {
             let on = stations(workpiece, &prepared.profile, unseen, height, stop);
             let milled = Milled::new(&prepared.profile, &operation.path.plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
             let judged = judged(workpiece, &on, prepared, &operation.path.plan.family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
+            // A place counts as reached if an operation that machines it reaches it.
+            let lift = |station: Station| {
+                let is_machined = workpiece.is_sloped(station.place.target, planned.slopes);
+                Station { lift: if is_machined { station.lift } else { f64::INFINITY }, ..station }
+            };
+            let on = on.into_iter().map(lift).collect();
             all = Some(match all {
                 None => (on, judged),
                 Some((before, judged_before)) => {
@@ -186,7 +199,17 @@ impl Arranged<'_> {
         Ok(OperationsPlan { operations, tool_changes, time: Time::computed(seconds), finish })
     }
 
-    fn operation(&self, planned: &Planned, before: &[Planned]) -> Result<OperationPlan, NoPlan> {
+    fn known_operation(&mut self, planned: &Planned, before: &[Planned], limit: f64) -> Result<OperationPlan, NoPlan> {
+        if let Some((_, known)) = self.known.iter().find(|(known, _)| known.is_alike(planned) && !planned.is_rest) {
+            return Ok(known.clone());
+        }
+        let operation = self.operation(planned, before, limit)?;
+        self.known.push((*planned, operation.clone()));
+        Ok(operation)
+    }
+
+    /// One operation, unless its draft shows that it takes far longer than `limit` s.
+    fn operation(&self, planned: &Planned, before: &[Planned], limit: f64) -> Result<OperationPlan, NoPlan> {
         let Self { workpiece, settings, tools, samples, stop, .. } = *self;
         let Tool { prepared, .. } = &tools[planned.tool];
         let height = settings.scallop_height.mm();
@@ -212,7 +235,11 @@ impl Arranged<'_> {
             samples,
             stop,
         };
-        let plan = planner.finished(planner.draft(planned.family)?)?;
+        let draft = planner.draft(planned.family)?;
+        if DRAFT_SURE * draft.seconds >= limit {
+            return Err(NoPlan::NoLines);
+        }
+        let plan = planner.finished(draft)?;
         let area: f64 = on.iter().map(|station| station.place.area).sum();
         let figures = MilledFigures::of(workpiece, settings, prepared, &plan, least_seconds(workpiece, &on, prepared, height));
         Ok(OperationPlan {
