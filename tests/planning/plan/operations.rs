@@ -52,6 +52,23 @@ fn a_cone_is_cut_along_its_levels_and_its_floor_to_and_fro() {
     assert!(plan < 0.6 * single, "{plan} s beside {single} s");
 }
 
+/// The flat end on the floor would reach the corner at the cone's foot, which the ball on the cone cannot. As the flat end does
+/// not machine the cone, the corner stays, and counts as uncut.
+#[test]
+fn a_place_counts_as_reached_only_where_an_operation_machines_it() {
+    let cutters = [Cutter::ball_end(mm(6.0)), Cutter::flat_end(mm(6.0))];
+    let settings = several(2, 0.3);
+    let part = workpiece(&cone_on_floor(32.0, [12.0, 16.0], [9.0, 6.0, 5.0]));
+    let candidates = cutters.map(CandidateCutter::new);
+    let ranking = ranked_on(&part, &candidates, &settings);
+    let plan = ranking.operations.unwrap();
+    let lines_of = |index: usize| plan.operations.iter().find(|operation| operation.candidate == index).map(|operation| operation.lines);
+    assert_eq!(lines_of(0), Some(Lines::Waterline));
+    assert!(matches!(lines_of(1), Some(Lines::Zigzag(_))));
+    assert!(plan.finish.over_tolerance_share < 0.005 && plan.finish.uncut_share > 0.005);
+    assert!(plan.time.seconds() < ranking.plans[0].time.seconds());
+}
+
 #[test]
 fn each_part_of_a_wall_has_its_cutter() {
     let cutters = [Cutter::toroidal(mm(12.0), mm(2.0)).unwrap(), Cutter::ball_end(mm(6.0))];
