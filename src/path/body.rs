@@ -196,7 +196,7 @@ impl Body {
     /// How far the point is in the solid: the largest distance from the surface of the cutter at any tip of the move.
     ///
     /// At the edge of a part the depth along a facet's normal jumps, from nothing to a wall's height where the cutter's side
-    /// passes over the edge by a rounding error. This one does not. It is at most that along the normal.
+    /// passes over the edge by a rounding error. This one does not; it is at most the depth along the normal.
     fn depth(&self, swept: &Swept, point: [f64; 3], along_normal: f64) -> f64 {
         let at = |v: f64| {
             let (x, y) = (point[0] - swept.start[0] - v * swept.along[0], point[1] - swept.start[1] - v * swept.along[1]);
@@ -257,7 +257,7 @@ impl Ray {
         best > 0.0 && along + 0.5 * self.bend * (distance - best).max(0.0).powi(2) >= best
     }
 
-    /// The same for the tips of a move.
+    /// Whether the ray does not enter the solid at any tip of a move between 0 and `best`, as [`Self::rules_out`] shows it.
     #[inline]
     pub(super) fn rules_out_move(&self, swept: &Swept, best: f64) -> bool {
         let [x, y, _] = self.standing();

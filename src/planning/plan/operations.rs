@@ -199,12 +199,17 @@ impl Arranged<'_> {
         Ok(OperationsPlan { operations, tool_changes, time: Time::computed(seconds), finish })
     }
 
+    /// One operation, planned for the first arrangement that has it. A rest depends on the operations before it.
     fn known_operation(&mut self, planned: &Planned, before: &[Planned], limit: f64) -> Result<OperationPlan, NoPlan> {
-        if let Some((_, known)) = self.known.iter().find(|(known, _)| known.is_alike(planned) && !planned.is_rest) {
+        #[expect(clippy::float_cmp, reason = "bounds are those of a list")]
+        let is_known = |known: &Planned| known.is_alike(planned) && known.slopes == planned.slopes;
+        if let Some((_, known)) = self.known.iter().find(|(known, _)| is_known(known)) {
             return Ok(known.clone());
         }
         let operation = self.operation(planned, before, limit)?;
-        self.known.push((*planned, operation.clone()));
+        if !planned.is_rest {
+            self.known.push((*planned, operation.clone()));
+        }
         Ok(operation)
     }
 
