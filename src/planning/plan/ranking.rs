@@ -44,6 +44,9 @@ const MILLED_WITHIN: f64 = 1.15;
 /// direction.
 const BEHIND: f64 = 1.15;
 
+/// How far directions are apart, in deg, whose estimates err for reasons of their own: such ones are milled before the next best.
+const FAR_APART: f64 = 30.0;
+
 /// The smallest angle between milled directions in deg. Nearer ones have nearly the same lines.
 const MILLED_APART: f64 = 2.0;
 
@@ -132,9 +135,11 @@ impl Estimated {
         let mut chosen: Vec<Angle> = sorted.first().map(|(angle, _)| *angle).into_iter().collect();
         let along = sorted.iter().map(|(angle, _)| *angle).find(is_along);
         chosen.extend(along.filter(|angle| !chosen.contains(angle)));
-        for (angle, _) in sorted {
-            if chosen.len() < MOST_MILLED && chosen.iter().all(|other| lines_apart(*other, angle) >= MILLED_APART) {
-                chosen.push(angle);
+        for apart in [FAR_APART, MILLED_APART] {
+            for (angle, _) in &sorted {
+                if chosen.len() < MOST_MILLED && chosen.iter().all(|other| lines_apart(*other, *angle) >= apart) {
+                    chosen.push(*angle);
+                }
             }
         }
         chosen
