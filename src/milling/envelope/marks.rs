@@ -12,6 +12,13 @@ pub(super) struct MarkPair {
     pub(super) drops: [f64; 2],
 }
 
+impl MarkPair {
+    /// The drop of a mark half-way between both, which on a plane clears what both clear.
+    pub(super) fn half_way_drop(&self) -> f64 {
+        f64::midpoint(self.drops[0], self.drops[1])
+    }
+}
+
 /// The pairs that decide what a pass leaves at a place in the worst phase of its teeth: the lower of `deepest`, the marks of
 /// the deepest tooth alone, and the highest of `neighbours`, a deep mark and a shallow one in either order, or two shallow
 /// ones. Without runout the deepest marks are all there are.
@@ -19,8 +26,6 @@ pub(super) struct MarkPair {
 pub(super) struct Marks {
     pairs: [MarkPair; 3],
     count: usize,
-    /// Whether the pairs are neighbours alone, without the deepest marks.
-    are_neighbours: bool,
 }
 
 /// The marks by which a pass clears a place: those of the deepest tooth, or all neighbours.
@@ -28,6 +33,15 @@ pub(super) struct Marks {
 pub(super) enum Which {
     Deepest,
     Neighbours,
+}
+
+impl Which {
+    pub(super) fn others(self) -> Self {
+        match self {
+            Self::Deepest => Self::Neighbours,
+            Self::Neighbours => Self::Deepest,
+        }
+    }
 }
 
 /// How runout changes the marks of a pass, for every feed per tooth.
@@ -40,8 +54,6 @@ pub(super) struct MarkPattern {
     /// How much longer the distance of neighbouring marks is than the feed per tooth.
     displacement: f64,
     shallow_pairs: bool,
-    /// The marks to which a pass is restricted.
-    only: Option<Which>,
 }
 
 impl MarkPattern {
@@ -52,13 +64,7 @@ impl MarkPattern {
             drop: pass.runout.depth(pass.contact.slope()),
             displacement: pass.runout.displacement(pass.contact, shallow_pairs),
             shallow_pairs,
-            only: None,
         }
-    }
-
-    /// These marks without the others.
-    pub(super) fn only(&self, which: Which) -> Self {
-        Self { only: Some(which), ..*self }
     }
 
     /// The largest distance of neighbouring marks at a feed per tooth; at most that of the deepest tooth's own marks.
@@ -82,6 +88,12 @@ impl MarkPattern {
         }
     }
 
+    /// The marks that decide as far as that approximation tells.
+    pub(super) fn likely(&self, feed: f64, along: f64) -> Which {
+        let is_deep = self.even_spacing(feed, along) >= self.teeth * feed;
+        if self.drop == 0.0 || is_deep { Which::Deepest } else { Which::Neighbours }
+    }
+
     /// The marks by which two passes can clear their places.
     pub(super) fn choices(&self, has_marks: bool) -> &'static [[Which; 2]] {
         use Which::{Deepest, Neighbours};
@@ -95,7 +107,7 @@ impl MarkPattern {
         let by_feed = if spacing < deep { 1.0 } else { self.teeth };
         let pair = |drops| MarkPair { distance: spacing, by_feed, drops };
         if feed == 0.0 || self.drop == 0.0 || spacing >= deep {
-            return Marks { pairs: [pair([0.0; 2]); 3], count: 1, are_neighbours: false };
+            return Marks { pairs: [pair([0.0; 2]); 3], count: 1 };
         }
         let deepest = MarkPair { distance: deep, by_feed: self.teeth, drops: [0.0; 2] };
         let (one, other) = if self.shallow_pairs {
@@ -103,24 +115,14 @@ impl MarkPattern {
         } else {
             (pair([0.0, self.drop]), pair([self.drop, 0.0]))
         };
-        let neighbours = if self.shallow_pairs { 1 } else { 2 };
-        match self.only {
-            None => Marks { pairs: [deepest, one, other], count: 1 + neighbours, are_neighbours: false },
-            Some(Which::Deepest) => Marks { pairs: [deepest; 3], count: 1, are_neighbours: false },
-            Some(Which::Neighbours) => Marks { pairs: [one, other, other], count: neighbours, are_neighbours: true },
-        }
+        Marks { pairs: [deepest, one, other], count: if self.shallow_pairs { 2 } else { 3 } }
     }
 }
 
 impl Marks {
-    /// The pairs, of which the first is that of the deepest marks, unless they are left out.
+    /// The pairs, of which the first is that of the deepest marks.
     pub(super) fn pairs(&self) -> &[MarkPair] {
         &self.pairs[..self.count]
-    }
-
-    /// Whether the deepest marks are left out.
-    pub(super) fn are_neighbours(&self) -> bool {
-        self.are_neighbours
     }
 
     /// The indices of the pairs of some marks.
@@ -129,18 +131,5 @@ impl Marks {
             Which::Deepest => 0..1,
             Which::Neighbours => self.count.min(2) - 1..self.count,
         }
-    }
-
-    /// The index of the pair that decides, of the values of all pairs.
-    pub(super) fn deciding(&self, value: impl Fn(usize) -> f64) -> usize {
-        if self.are_neighbours {
-            return usize::from(self.count == 2 && value(1) > value(0));
-        }
-        let neighbours = match self.count {
-            1 => return 0,
-            3 if value(2) > value(1) => 2,
-            _ => 1,
-        };
-        if value(neighbours) < value(0) { neighbours } else { 0 }
     }
 }

@@ -404,10 +404,15 @@ impl Envelope {
     /// side of a part of the surface that keeps those between away.
     fn clears_between(&self, body: &CutterBody, ridge: &ridge::Ridge) -> bool {
         let Lengths { level, step_over, feed } = ridge.lengths;
-        let clears = |x: f64, c: f64| body.gap(x + self.pattern.spacing(feed) / 2.0, c, level).value <= 0.0;
-        let MarkPlaces { x: [near, far], c } = ridge.places;
-        let is_even = self.pattern.choices(true).len() == 1;
-        self.pass.surface.is_plane() || feed == 0.0 || !is_even || clears(near[0], c) && clears(far[0], c - step_over)
+        let marks = self.pattern.marks(feed);
+        let clears = |pass: usize, c: f64| {
+            marks.of(ridge.choice[pass]).all(|index| {
+                let (pair, x) = (&marks.pairs()[index], ridge.places.x[pass][index]);
+                body.gap(x + pair.distance / 2.0, c, level - pair.half_way_drop()).value <= 0.0
+            })
+        };
+        let c = ridge.places.c;
+        self.pass.surface.is_plane() || feed == 0.0 || clears(0, c) && clears(1, c - step_over)
     }
 
     /// The largest length at which h is at most a tolerance, by the fast search or the sure one. On a curved surface a height
@@ -422,15 +427,21 @@ impl Envelope {
         };
         let is_plane = self.pass.surface.is_plane();
         let is_right = |length: f64| is_plane || excess(length) == Some(0.0);
+        let smallest = guess.with(sought, Length::SMALLEST);
+        let least = Lengths { level: self.guess(smallest.step_over, smallest.feed), ..smallest };
+        let is_used_up = || self.quickly(&self.body, Sought::Level, least).is_some_and(|ridge| ridge.lengths.level > guess.level);
+        // Where the approximation is over the tolerance, a refusal is likely, and sooner found than that no length keeps it.
+        let is_likely = least.level > guess.level;
+        if is_likely && is_used_up() {
+            return Outcome::Below;
+        }
         for body in self.bodies() {
             let quick = self.quickly(body, sought, guess).map(|ridge| ridge.lengths.get(sought));
             if let Some(length) = quick.filter(|length| *length <= largest && is_right(*length)) {
                 return Outcome::At(length);
             }
         }
-        let smallest = guess.with(sought, Length::SMALLEST);
-        let least = Lengths { level: self.guess(smallest.step_over, smallest.feed), ..smallest };
-        if self.quickly(&self.body, Sought::Level, least).is_some_and(|ridge| ridge.lengths.level > guess.level) {
+        if !is_likely && is_used_up() {
             return Outcome::Below;
         }
         let sure = self.search(&self.body).solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess));
@@ -485,21 +496,33 @@ impl Envelope {
         Search { body, pattern: &self.pattern, is_convex: self.pass.surface.is_plane(), is_thorough: false }
     }
 
-    /// The ridge by the fast search. With runout the deepest marks and the others have ridges of their own, of which the fast
-    /// search finds one: it counts if the other one is no better.
+    /// The ridge by the fast search. With runout each pass clears its place by the deepest marks or by the others: the search begins
+    /// with those that decide by an approximation, and goes on to a choice that leaves less until there is none.
     fn quickly(&self, body: &CutterBody, sought: Sought, guess: Lengths) -> Option<ridge::Ridge> {
         let stride = guess.step_over + self.pattern.spacing(guess.feed);
-        let solve = |pattern: &MarkPattern| ridge::solve(body, pattern, stride, sought, guess, self.places(&guess));
-        let ridge = solve(&self.pattern)?;
-        if self.pattern.marks(ridge.lengths.feed).pairs().len() > 1 {
-            let others = if ridge.by == Which::Deepest { Which::Neighbours } else { Which::Deepest };
-            let [one, other] = [&ridge, &solve(&self.pattern.only(others))?].map(|ridge| ridge.lengths.get(sought));
-            let is_better = if sought == Sought::Level { other < one } else { other > one };
-            if is_better {
-                return None;
+        let start = self.places(&guess);
+        let first = [self.pattern.likely(guess.feed, self.groove()[0]); 2];
+        let mut choice = first;
+        for _ in self.pattern.choices(true) {
+            let solve = |start: MarkPlaces| ridge::solve(body, &self.pattern, choice, stride, sought, guess, start);
+            let Some(mut ridge) = solve(start).or_else(|| solve(self.search(body).settled(choice, &guess, start))) else {
+                if choice != first {
+                    return None;
+                }
+                choice = first.map(Which::others);
+                continue;
+            };
+            if self.pattern.marks(ridge.lengths.feed).pairs().len() == 1 {
+                return Some(ridge);
             }
+            let search = self.search(body);
+            let next = search.better_choice(choice, &ridge.lengths, &mut ridge.places);
+            if next == choice {
+                return search.meet(choice, &ridge.lengths, &ridge.places).then_some(ridge);
+            }
+            choice = next;
         }
-        Some(ridge)
+        None
     }
 
     /// The curvatures of the groove's bottom along the feed, and across it where the marks have moved along; and by how much

@@ -7,6 +7,7 @@
 use super::cutter_body::{CutterBody, SignedDistance};
 use super::marks::{MarkPattern, Marks, Which};
 use super::search::{Lengths, MarkPlaces, Sought};
+use std::ops::Range;
 
 /// The most steps, of which an ordinary contact takes four.
 const MOST_STEPS: usize = 14;
@@ -26,6 +27,7 @@ struct Row {
     value: f64,
     by_c: f64,
     by_level: f64,
+    by_step_over: f64,
     by_feed: f64,
     /// The step of x, and its derivatives by c, the level and the feed.
     x_step: [f64; 4],
@@ -34,7 +36,8 @@ struct Row {
 }
 
 impl Row {
-    const NONE: Self = Self { value: 0.0, by_c: 0.0, by_level: 0.0, by_feed: 0.0, x_step: [0.0; 4], is_least: false };
+    const NONE: Self =
+        Self { value: f64::NAN, by_c: 0.0, by_level: 0.0, by_step_over: 0.0, by_feed: 0.0, x_step: [0.0; 4], is_least: false };
 
     /// Of two marks, of which either moves along the feed by its `moves` for each unit of the feed per tooth.
     fn of_marks(a: &SignedDistance, b: &SignedDistance, moves: [f64; 2]) -> Self {
@@ -46,6 +49,7 @@ impl Row {
             value: weighted(a.value, b.value),
             by_c: weighted(a.by_c, b.by_c),
             by_level: weighted(a.by_level, b.by_level),
+            by_step_over: 0.0,
             by_feed: weighted(by_feed[0], by_feed[1]),
             x_step: [a.value - b.value, a.by_c - b.by_c, a.by_level - b.by_level, by_feed[0] - by_feed[1]].map(|part| part / spread),
             is_least: of_a >= 0.0 && of_b >= 0.0,
@@ -54,20 +58,8 @@ impl Row {
 
     /// Of those two of the faces of two marks with a sharp edge whose tangents cross where the greatest of all is least.
     fn of_faces(faces: &[(SignedDistance, f64)]) -> Self {
-        let greatest = |one: &&(SignedDistance, f64), other: &&(SignedDistance, f64)| one.0.value.total_cmp(&other.0.value);
-        let Some(&(mut a, mut moves)) = faces.iter().max_by(greatest) else { return Self::NONE };
-        let sign = a.by_x.signum();
-        for _ in 0..faces.len() {
-            // The place at which another tangent becomes the greatest.
-            let until = |face: &(SignedDistance, f64)| sign * (a.value - face.0.value) / (a.by_x - face.0.by_x);
-            let flatter = faces.iter().filter(|(face, _)| sign * (a.by_x - face.by_x) > 0.0);
-            let Some((b, moves_b)) = flatter.min_by(|one, other| until(one).total_cmp(&until(other))) else { break };
-            if sign * b.by_x < 0.0 {
-                return Self::of_marks(&a, b, [moves, *moves_b]);
-            }
-            (a, moves) = (*b, *moves_b);
-        }
-        Self { value: f64::NAN, ..Self::NONE }
+        opposed(faces, |(face, _)| [face.value, face.by_x])
+            .map_or(Self::NONE, |[(a, moves_a), (b, moves_b)]| Self::of_marks(&a, &b, [moves_a, moves_b]))
     }
 
     /// Without a feed; `b` is the gap at x + `difference`.
@@ -79,6 +71,7 @@ impl Row {
             value: a.value - share * a.by_x,
             by_c: a.by_c - share * by_c,
             by_level: a.by_level - share * by_level,
+            by_step_over: 0.0,
             by_feed: 0.0,
             x_step: [-a.by_x, -by_c, -by_level, 0.0].map(|part| part / bend),
             is_least: bend > 0.0,
@@ -86,20 +79,41 @@ impl Row {
     }
 }
 
+/// Those two tangents, each given by its value and its slope, that cross where the greatest of all is least; first the one that is
+/// the greatest here, or the last one on the way.
+fn opposed<T: Copy>(tangents: &[T], line: impl Fn(&T) -> [f64; 2]) -> Option<[T; 2]> {
+    let mut a = *tangents.iter().max_by(|one, other| line(one)[0].total_cmp(&line(other)[0]))?;
+    let sign = line(&a)[1].signum();
+    for _ in 0..tangents.len() {
+        let [value, slope] = line(&a);
+        // The place at which another tangent becomes the greatest.
+        let until = |other: &T| sign * (value - line(other)[0]) / (slope - line(other)[1]);
+        let flatter = tangents.iter().filter(|other| sign * (slope - line(other)[1]) > 0.0);
+        let b = *flatter.min_by(|one, other| until(one).total_cmp(&until(other)))?;
+        if sign * line(&b)[1] < 0.0 {
+            return Some([a, b]);
+        }
+        a = b;
+    }
+    None
+}
+
 /// A ridge.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ridge {
     pub(super) lengths: Lengths,
     pub(super) places: MarkPlaces,
-    /// The marks by which both passes clear their places.
-    pub(super) by: Which,
+    /// The marks by which each pass clears its place.
+    pub(super) choice: [Which; 2],
 }
 
-/// The ridge near a guess of the sought length, from guessed places. The marks of each pass oppose each other there, and so
-/// do the passes: on a plane, where distances are convex, that proves the result. `None` if the search does not converge.
+/// The ridge that the chosen marks of both passes leave near a guess of the sought length, from guessed places. The marks of
+/// each pass oppose each other there, and so do the passes: on a plane, where distances are convex, that proves the result.
+/// `None` if the search does not converge.
 pub(super) fn solve(
     body: &CutterBody,
     pattern: &MarkPattern,
+    choice: [Which; 2],
     stride: f64,
     sought: Sought,
     mut lengths: Lengths,
@@ -111,15 +125,24 @@ pub(super) fn solve(
         if sought == Sought::Feed {
             marks = pattern.marks(lengths.feed);
         }
-        let near = rows(body, &marks, &places.x[0], places.c, lengths.level, difference);
-        let far = rows(body, &marks, &places.x[1], places.c - lengths.step_over, lengths.level, difference);
-        let deciding = [&near, &far].map(|rows| marks.deciding(|index| rows[index].value));
-        let (one, other) = (near[deciding[0]], far[deciding[1]]);
-        let (by_one, by_other) = match sought {
-            Sought::Level => (one.by_level, other.by_level),
-            Sought::StepOver => (0.0, -other.by_c),
-            Sought::Feed => (one.by_feed, other.by_feed),
+        let pairs = choice.map(|which| marks.of(which));
+        let rows_of = |pass: usize| {
+            let c = places.c - [0.0, lengths.step_over][pass];
+            rows(body, &marks, pairs[pass].clone(), &places.x[pass], c, lengths.level, difference)
         };
+        let (near, mut far) = (rows_of(0), rows_of(1));
+        for row in &mut far {
+            row.by_step_over = -row.by_c;
+        }
+        // Far from the ridge all can rise to the same side: then the greatest of each pass.
+        let greatest = |[one, other]: [Row; 2]| if one.value > other.value { one } else { other };
+        let both = [near[0], near[1], far[0], far[1]];
+        let [one, other] = opposed(&both, |row| [row.value, row.by_c]).unwrap_or([greatest(near), greatest(far)]);
+        let [by_one, by_other] = [one, other].map(|row| match sought {
+            Sought::Level => row.by_level,
+            Sought::StepOver => row.by_step_over,
+            Sought::Feed => row.by_feed,
+        });
         let determinant = one.by_c * by_other - other.by_c * by_one;
         let c_step = (other.value * by_one - one.value * by_other) / determinant;
         let step = (one.value * other.by_c - other.value * one.by_c) / determinant;
@@ -130,8 +153,8 @@ pub(super) fn solve(
         let next = (value + step).clamp(value / LARGEST_RATIO, value * LARGEST_RATIO);
         let taken = next - value;
         let mut largest_step = (c_step / (lengths.step_over + stride)).abs();
-        let move_x = |xs: &mut [f64; 3], rows: &[Row; 3], c_step: f64| {
-            for (x, row) in xs.iter_mut().zip(rows).take(marks.pairs().len()) {
+        let move_x = |xs: &mut [f64], rows: &[Row], c_step: f64| {
+            for (x, row) in xs.iter_mut().zip(rows) {
                 let [own, by_c, by_level, by_feed] = row.x_step;
                 let by_length = match sought {
                     Sought::Level => by_level,
@@ -142,8 +165,8 @@ pub(super) fn solve(
             }
         };
         let before = places.x;
-        move_x(&mut places.x[0], &near, c_step);
-        move_x(&mut places.x[1], &far, c_step - if sought == Sought::StepOver { taken } else { 0.0 });
+        move_x(&mut places.x[0][pairs[0].clone()], &near, c_step);
+        move_x(&mut places.x[1][pairs[1].clone()], &far, c_step - if sought == Sought::StepOver { taken } else { 0.0 });
         for (x, before) in places.x.as_flattened().iter().zip(before.as_flattened()) {
             largest_step = largest_step.max((x - before).abs() / stride);
         }
@@ -154,31 +177,30 @@ pub(super) fn solve(
         }
         if largest_step.max((taken / next).abs()) <= LAST_STEP && (taken - step).abs() <= LAST_STEP * next {
             // Which pair of marks decides is known where all of them are at their least.
-            let is_least = |rows: &[Row; 3]| rows[..marks.pairs().len()].iter().all(|row| row.is_least);
-            let opposed =
-                is_least(&near) && is_least(&far) && one.by_c > 0.0 && other.by_c < 0.0 && one.by_level < 0.0 && other.by_level < 0.0;
-            // Whether deep marks and others clear a place together, the sure search finds.
-            let is_alike = marks.are_neighbours() || (deciding[0] == 0) == (deciding[1] == 0);
-            let by = if deciding[0] == 0 { Which::Deepest } else { Which::Neighbours };
-            return (opposed && is_alike).then_some(Ridge { lengths, places, by });
+            let [rising, falling] = if one.by_c > 0.0 { [one, other] } else { [other, one] };
+            let is_between_passes = rising.by_c > 0.0 && rising.by_step_over == 0.0 && falling.by_step_over > 0.0;
+            let is_ridge = is_between_passes && both.iter().all(|row| row.is_least) && one.by_level < 0.0 && other.by_level < 0.0;
+            return is_ridge.then_some(Ridge { lengths, places, choice });
         }
     }
     None
 }
 
-fn rows(body: &CutterBody, marks: &Marks, xs: &[f64; 3], c: f64, p: f64, difference: f64) -> [Row; 3] {
-    let mut rows = [Row::NONE; 3];
-    for ((row, pair), &x) in rows.iter_mut().zip(marks.pairs()).zip(xs) {
+/// The rows of one or two pairs, in their order; of one, twice the same.
+fn rows(body: &CutterBody, marks: &Marks, pairs: Range<usize>, xs: &[f64; 3], c: f64, p: f64, difference: f64) -> [Row; 2] {
+    let row = |index: usize| {
+        let (pair, x) = (&marks.pairs()[index], xs[index]);
         let has_marks = pair.distance > 0.0;
         let beside = x + if has_marks { pair.distance } else { difference };
-        *row = if body.is_sharp() {
+        if body.is_sharp() {
             let [first, second] = body.faces(x, c, p - pair.drops[0]).map(|face| (face, 0.0));
             let [third, fourth] = body.faces(beside, c, p - pair.drops[1]).map(|face| (face, pair.by_feed));
             Row::of_faces(&[first, second, third, fourth][..if has_marks { 4 } else { 2 }])
         } else {
             let (a, b) = (body.gap(x, c, p - pair.drops[0]), body.gap(beside, c, p - pair.drops[1]));
             if has_marks { Row::of_marks(&a, &b, [0.0, pair.by_feed]) } else { Row::of_groove(&a, &b, difference) }
-        };
-    }
-    rows
+        }
+    };
+    let first = row(pairs.start);
+    [first, if pairs.len() > 1 { row(pairs.start + 1) } else { first }]
 }

@@ -170,7 +170,7 @@ impl Search<'_> {
         if self.is_convex || pair.distance == 0.0 {
             return row;
         }
-        let between = self.body.gap(found + pair.distance / 2.0, c, p - pair.drops[0].max(pair.drops[1]));
+        let between = self.body.gap(found + pair.distance / 2.0, c, p - pair.half_way_drop());
         if between.value > row.value { Distance::of(&between, pair.by_feed / 2.0) } else { row }
     }
 
@@ -200,6 +200,51 @@ impl Search<'_> {
         self.gap_of_passes([choice; 2], &Lengths { step_over: 0.0, ..*lengths }, places);
     }
 
+    /// The places with the chosen marks moved along the feed to where they clear the most.
+    pub(super) fn settled(&self, choice: [Which; 2], lengths: &Lengths, mut places: MarkPlaces) -> MarkPlaces {
+        self.rows_of_passes(choice, lengths, &mut places);
+        places
+    }
+
+    /// V of both passes by the marks of a choice.
+    fn rows_of_passes(&self, choice: [Which; 2], lengths: &Lengths, places: &mut MarkPlaces) -> [Distance; 2] {
+        let marks = &self.pattern.marks(lengths.feed);
+        let stride = (lengths.step_over + marks.pairs()[0].distance) / 4.0;
+        [0, 1].map(|pass| {
+            let c = places.c - [0.0, lengths.step_over][pass];
+            self.row_gap(marks, choice[pass], stride, &mut places.x[pass], c, lengths.level)
+        })
+    }
+
+    /// A choice of the marks that leaves less than a ridge of another `choice`, or that choice if none does.
+    pub(super) fn better_choice(&self, choice: [Which; 2], lengths: &Lengths, places: &mut MarkPlaces) -> [Which; 2] {
+        let others = choice.map(Which::others);
+        let gaps = self.rows_of_passes(others, lengths, places);
+        // Where distances are convex, marks that do not clear the place of a pass do so no further out either.
+        if gaps.iter().all(|gap| gap.value > 0.0) && gaps[0].by_c > 0.0 && gaps[1].by_c < 0.0 {
+            return choice;
+        }
+        let is_better = |other: &[Which; 2]| {
+            let gap = self.ridge_gap(*other, lengths, &mut { *places });
+            gap.value < -LOWER * lengths.level - self.body.rounding()
+        };
+        // If they clear places further out alone, these do not meet those that the chosen marks clear: then both passes have to.
+        let one_changed = [[others[0], choice[1]], [choice[0], others[1]]];
+        let one_changed = gaps.iter().zip(one_changed).filter(|(gap, _)| gap.value <= 0.0).map(|(_, other)| other);
+        one_changed.chain([others]).find(is_better).unwrap_or(choice)
+    }
+
+    /// Whether a place is cleared by both of these marks of one pass; otherwise something is left between passes of which the one
+    /// clears its place by the one and the next by the other.
+    pub(super) fn meet(&self, choice: [Which; 2], lengths: &Lengths, places: &MarkPlaces) -> bool {
+        choice[0] == choice[1] || self.meeting(choice, lengths, places).value <= 0.0
+    }
+
+    /// How far one pass is from clearing a place by the marks of both choices, where it is the nearest to that.
+    fn meeting(&self, choice: [Which; 2], lengths: &Lengths, places: &MarkPlaces) -> Distance {
+        self.gap_of_passes(choice, &Lengths { step_over: 0.0, ..*lengths }, &mut MarkPlaces { c: 0.0, ..*places })
+    }
+
     /// W at these lengths, where each pass clears its place by some of its marks. If those differ, there must be a place that both
     /// clear, so that none is left between.
     fn ridge_gap(&self, choice: [Which; 2], lengths: &Lengths, places: &mut MarkPlaces) -> Distance {
@@ -207,8 +252,7 @@ impl Search<'_> {
         if choice[0] == choice[1] {
             return ridge;
         }
-        let mut start = MarkPlaces { c: 0.0, ..*places };
-        let meeting = self.gap_of_passes(choice, &Lengths { step_over: 0.0, ..*lengths }, &mut start);
+        let meeting = self.meeting(choice, lengths, places);
         if meeting.value > ridge.value { Distance { by_step_over: 0.0, ..meeting } } else { ridge }
     }
 

@@ -99,6 +99,20 @@ proptest! {
         approx::assert_relative_eq!(envelope.searched(s, 0.0), circle_height(radius, s), max_relative = 1e-13);
     }
 
+    /// With runout too, where a mark half-way between a deep and a shallow one must not count as deep as either.
+    #[test]
+    fn a_plane_is_the_limit_of_curved_surfaces(
+        cutter in cutters(), slope in 1.0..85.0_f64, omega in quarter_turn(), share in 0.01..0.3_f64, marks in 0.01..0.1_f64,
+        (radial, axial) in (0.0..0.003_f64, -0.003..0.003_f64), teeth in 2_u32..5, radius in prop_oneof![-1.0..-0.5_f64, 0.5..1.0_f64],
+    ) {
+        let (plain, outer) = (by_omega(cutter, slope, omega).pass, cutter.outer_radius().mm());
+        let runout = Runout::NONE.with_radial_mm(radial * outer).unwrap().with_axial_mm(axial * outer).unwrap();
+        let plane = Pass { runout, teeth: NonZeroU32::new(teeth), ..plain };
+        let [on_plane, beside] = [plane, curved(plane, 1e9 * radius)].map(|pass| Envelope::new(pass).unwrap().at(share * outer, marks * outer));
+        // The surface rises by less than 1e-8 R over the marks, and a height changes by that much where grooves are nearly flat.
+        approx::assert_abs_diff_eq!(beside.unwrap(), on_plane.unwrap(), epsilon = 1e-7 * outer);
+    }
+
     #[test]
     fn floor_and_wall_are_the_limits_of_slopes_beside_them(
         cutter in cutters(), omega in quarter_turn(), share in 0.01..0.9_f64, marks in 0.01..0.4_f64, axial in 0.001..0.1_f64, teeth in 2_u32..4,
