@@ -317,7 +317,7 @@ impl Envelope {
     /// concave, passes can clear a place from afar that others between them do not. Marks with normals of their own are not held
     /// to this: near level ones none may lie between.
     fn clears_across(&self, body: &CutterBody, lengths: &Lengths, places: &MarkPlaces) -> bool {
-        if body.turns() || !self.is_concave() {
+        if body.turns() || self.pass.surface.principal_per_mm()[1] >= 0.0 {
             return true;
         }
         let Lengths { level, step_over, feed } = *lengths;
@@ -505,9 +505,9 @@ impl Envelope {
         let mut choice = first;
         for _ in self.pattern.choices(true) {
             let solve = |start: MarkPlaces| ridge::solve(body, &self.pattern, choice, stride, sought, guess, start);
-            // From the lowest place of each row, unless a concave surface has other ones: then the sure search compares them.
+            // From the lowest place of each row, unless a curved surface can have others: then the sure search compares them.
             let retry = || solve(self.search(body).settled(choice, &guess, start));
-            let Some(mut ridge) = solve(start).or_else(|| if self.is_concave() { None } else { retry() }) else {
+            let Some(mut ridge) = solve(start).or_else(|| if self.pass.surface.is_plane() { retry() } else { None }) else {
                 if choice != first {
                     return None;
                 }
@@ -525,11 +525,6 @@ impl Envelope {
             choice = next;
         }
         None
-    }
-
-    /// Whether the surface is concave in some direction.
-    fn is_concave(&self) -> bool {
-        self.pass.surface.principal_per_mm()[1] < 0.0
     }
 
     /// The curvatures of the groove's bottom along the feed, and across it where the marks have moved along; and by how much
