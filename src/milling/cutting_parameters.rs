@@ -99,9 +99,6 @@ const NEARLY_BEST: f64 = 0.95;
 /// flat as that of a circle.
 const NEARLY_BEST_WITH_RUNOUT: f64 = 0.985;
 
-/// The most intervals that are refined, those with the best ends. Where nearly all qualify, the product is nearly constant.
-const MOST_REFINED: usize = 8;
-
 /// The relative width of the bracket at which the search ends. Near its maximum the product falls with the square of
 /// this, 1e-8.
 const CLOSE: f64 = 1e-4;
@@ -165,11 +162,8 @@ impl EvaluatedPass {
             }
         } else {
             // Two maxima can be neighbours, so that the feeds between them do not show the lower end of either.
-            let better_end = |interval: &[(f64, f64); 2]| interval[0].1.max(interval[1].1);
-            let mut intervals: Vec<[(f64, f64); 2]> = places.windows(2).map(|ends| [ends[0], ends[1]]).collect();
-            intervals.retain(|interval| better_end(interval) >= ratio * best_place);
-            intervals.sort_by(|one, other| better_end(other).total_cmp(&better_end(one)));
-            for &[(high, of_high), (low, of_low)] in intervals.iter().take(MOST_REFINED) {
+            for ends in places.windows(2).filter(|ends| ends[0].1.max(ends[1].1) >= ratio * best_place) {
+                let [(high, of_high), (low, of_low)] = [ends[0], ends[1]];
                 if let Some(jump) = self.jump_of_step_over(tolerance, [(low, of_low), (high, of_high)]) {
                     best = fastest(best, (jump, area(jump)));
                     best = fastest(best, highest(low, jump, area));

@@ -430,9 +430,9 @@ impl Envelope {
         let smallest = guess.with(sought, Length::SMALLEST);
         let least = Lengths { level: self.guess(smallest.step_over, smallest.feed), ..smallest };
         let is_used_up = || self.quickly(&self.body, Sought::Level, least).is_some_and(|ridge| ridge.lengths.level > guess.level);
-        // Where the approximation is over the tolerance, a refusal is likely, and sooner found than that no length keeps it.
-        let is_likely = least.level > guess.level;
-        if is_likely && is_used_up() {
+        // Where the approximation is over the tolerance, the refusal comes first: the searches for a length would all fail.
+        let is_refusal_likely = least.level > guess.level;
+        if is_refusal_likely && is_used_up() {
             return Outcome::Below;
         }
         for body in self.bodies() {
@@ -441,7 +441,7 @@ impl Envelope {
                 return Outcome::At(length);
             }
         }
-        if !is_likely && is_used_up() {
+        if !is_refusal_likely && is_used_up() {
             return Outcome::Below;
         }
         let sure = self.search(&self.body).solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess));
@@ -504,10 +504,7 @@ impl Envelope {
         let first = [self.pattern.likely(guess.feed, self.groove()[0]); 2];
         let mut choice = first;
         for _ in self.pattern.choices(true) {
-            let solve = |start: MarkPlaces| ridge::solve(body, &self.pattern, choice, stride, sought, guess, start);
-            // From the lowest place of each row, unless a curved surface can have others: then the sure search compares them.
-            let retry = || solve(self.search(body).settled(choice, &guess, start));
-            let Some(mut ridge) = solve(start).or_else(|| if self.pass.surface.is_plane() { retry() } else { None }) else {
+            let Some(mut ridge) = ridge::solve(body, &self.pattern, choice, stride, sought, guess, start) else {
                 if choice != first {
                     return None;
                 }

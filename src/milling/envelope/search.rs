@@ -200,12 +200,6 @@ impl Search<'_> {
         self.gap_of_passes([choice; 2], &Lengths { step_over: 0.0, ..*lengths }, places);
     }
 
-    /// The places with the chosen marks moved along the feed to where they clear the most.
-    pub(super) fn settled(&self, choice: [Which; 2], lengths: &Lengths, mut places: MarkPlaces) -> MarkPlaces {
-        self.rows_of_passes(choice, lengths, &mut places);
-        places
-    }
-
     /// V of both passes by the marks of a choice.
     fn rows_of_passes(&self, choice: [Which; 2], lengths: &Lengths, places: &mut MarkPlaces) -> [Distance; 2] {
         let marks = &self.pattern.marks(lengths.feed);

@@ -44,7 +44,7 @@ const MILLED_WITHIN: f64 = 1.15;
 /// direction.
 const BEHIND: f64 = 1.15;
 
-/// How far directions are apart, in deg, whose estimates err for reasons of their own: such ones are milled before the next best.
+/// Estimates of directions nearer than this, in deg, err by nearly the same share. Directions further apart are milled first.
 const FAR_APART: f64 = 30.0;
 
 /// The smallest angle between milled directions in deg. Nearer ones have nearly the same lines.

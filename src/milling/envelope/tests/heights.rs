@@ -99,7 +99,7 @@ proptest! {
         approx::assert_relative_eq!(envelope.searched(s, 0.0), circle_height(radius, s), max_relative = 1e-13);
     }
 
-    /// With runout too, where a mark half-way between a deep and a shallow one must not count as deep as either.
+    /// With runout too, where a mark half-way between a deep and a shallow one must not count as a shallow one.
     #[test]
     fn a_plane_is_the_limit_of_curved_surfaces(
         cutter in cutters(), slope in 1.0..85.0_f64, omega in quarter_turn(), share in 0.01..0.3_f64, marks in 0.01..0.1_f64,
