@@ -13,6 +13,10 @@ const LARGEST_TURN: f64 = 0.7;
 /// How far marks are from the stated contact, as a share of the cutter's radius, for which the turn is not yet limited.
 const NEARBY: f64 = 0.05;
 
+/// How steep the surface is at most at a mark, over the tangent plane of the stated contact: |K u|. What a contact tells of its
+/// surface, the second order, holds for no more, and no mark lies beyond.
+pub(super) const STEEPEST: f64 = 1.0;
+
 /// The profile's arc at the contact, and the contact's place on it.
 #[derive(Debug, Clone, Copy)]
 struct Touching {
@@ -165,6 +169,21 @@ impl CutterBody {
     pub(super) fn faces(&self, x: f64, c: f64, p: f64) -> [SignedDistance; 2] {
         let [along, across, twist] = self.bend;
         let fall = [along * x + twist * c, twist * x + across * c];
+        let faces = self.faces_at(x, c, p, fall);
+        let square = fall[0] * fall[0] + fall[1] * fall[1];
+        if square <= STEEPEST * STEEPEST {
+            return faces;
+        }
+        let (steepness, size) = (square.sqrt(), along.hypot(twist).max(twist.hypot(across)));
+        let by = |column: [f64; 2]| (fall[0] * column[0] + fall[1] * column[1]) / (steepness * size);
+        let beyond =
+            SignedDistance { value: (steepness - STEEPEST) / size, by_x: by([along, twist]), by_c: by([twist, across]), by_level: 0.0 };
+        faces.map(|face| if beyond.value > face.value { beyond } else { face })
+    }
+
+    /// The faces of a mark where the surface has fallen by K u.
+    fn faces_at(&self, x: f64, c: f64, p: f64, fall: [f64; 2]) -> [SignedDistance; 2] {
+        let [along, across, twist] = self.bend;
         let sag = f64::midpoint(fall[0] * x, fall[1] * c);
         if self.turn_limit == 0.0 {
             let faces = self.nearest(&self.stated, [-x, -c, p - sag], p - sag).map(|nearest| {

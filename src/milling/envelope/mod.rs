@@ -26,7 +26,7 @@ use super::gouging;
 use super::{Contact, Cutter, NoAnswer, Pass, Runout, ScallopHeight};
 use crate::numerics::bracketed_root;
 use crate::quantity::{Direction, Length};
-use cutter_body::CutterBody;
+use cutter_body::{CutterBody, STEEPEST};
 use marks::{MarkPattern, Which};
 use search::{Lengths, MarkPlaces, Outcome, Search, Sought};
 use std::convert::Infallible;
@@ -57,7 +57,7 @@ const BETWEEN: [f64; 4] = [0.12, 0.35, 0.65, 0.88];
 const MARCH: u8 = 24;
 
 /// The highest ridge, as a share of the lengths that bound it.
-const HIGHEST: f64 = 16.0;
+const HIGHEST: f64 = 2.0;
 
 /// The envelope model at one contact. It covers every slope from 0 to 90 deg and every cutter.
 ///
@@ -297,6 +297,7 @@ impl Envelope {
             Some(Height { level, turn: self.turn(places, s, feed) })
         };
         if let Some(ridge) = self.quickly(body, Sought::Level, guess)
+            && ridge.lengths.level <= highest
             && self.clears_between(body, &ridge)
         {
             return found(ridge.lengths.level, &ridge.places);
@@ -309,8 +310,10 @@ impl Envelope {
                 Outcome::Above => None,
             }
         };
+        let only_just_touch = || !self.overlap(s / JUST_UNDER, self.pattern.spacing(feed) / JUST_UNDER);
         // Where the circles seen from above only just touch, rounding decides whether they do.
-        search(guess).or_else(|| search(Lengths { step_over: s * JUST_UNDER, feed: feed * JUST_UNDER, ..guess }))
+        search(guess)
+            .or_else(|| only_just_touch().then(|| search(Lengths { step_over: s * JUST_UNDER, feed: feed * JUST_UNDER, ..guess }))?)
     }
 
     /// Whether passes that lie between those of a ridge clear the place too. On a convex surface they do. Where the surface is
@@ -602,7 +605,7 @@ impl Envelope {
     /// accepted length.
     fn largest_step_over(&self, f: f64) -> f64 {
         let on_plane = largest_leg(2.0 * self.outer_radius, f * self.climb.cos(), self.spacing_ratio());
-        on_plane.min(2.0 / self.pass.surface.across_per_mm().abs())
+        on_plane.min(2.0 * STEEPEST / self.pass.surface.across_per_mm().abs())
     }
 
     /// The distance up to which marks overlap, seen from above, in passes s apart.
