@@ -9,14 +9,18 @@
 //! cutter's circumference; the cutter's side is as long as the wall that it passes; passes are parallel; the surface is
 //! of the second order, so that changes of its curvature are left out.
 //!
-//! - `body`: the cutter, placed at a mark by the surface's own normal there, and its distance from a point;
+//! - `cutter_body`: the cutter, placed at a mark by the surface's own normal there, and its distance from a point;
 //! - `marks`: which pairs of marks decide, with and without runout;
 //! - `ridge`: the fast search, Newton's method on all unknowns at once;
 //! - `search`: the sure search, nested and bracketed, wherever the fast one does not prove its result;
-//! - `mod` (this file): heights and both inverses.
+//! - `overlap`: up to where passes and marks meet, and the refusals that say so;
+//! - `inverses`: the largest feed and the largest step-over;
+//! - `mod` (this file): heights.
 
 mod cutter_body;
+mod inverses;
 mod marks;
+mod overlap;
 mod ridge;
 mod search;
 #[cfg(test)]
@@ -26,25 +30,11 @@ use super::gouging;
 use super::{Contact, Cutter, NoAnswer, Pass, Runout, ScallopHeight};
 use crate::numerics::bracketed_root;
 use crate::quantity::{Direction, Length};
-use cutter_body::{CutterBody, STEEPEST};
+use cutter_body::CutterBody;
 use marks::{MarkPattern, Which};
 use search::{Lengths, MarkPlaces, Outcome, Search, Sought};
 use std::convert::Infallible;
 use std::f64::consts::FRAC_PI_2;
-
-/// The share by which the height at a largest length may differ from the tolerance.
-const MET: f64 = 1e-12;
-
-/// The share of a length within which a jump of the height is found.
-const JUMP: f64 = 1e-10;
-
-/// The share by which the largest length that a refusal states may be smaller than the largest that has a height on a curved
-/// surface.
-const STATED: f64 = 0.01;
-
-/// The first and the largest ratio of the lengths between which the root of the height is sought.
-const FIRST_RATIO: f64 = 1.001;
-const LARGEST_RATIO: f64 = 2.0;
 
 /// The share of lengths that is left of those at which passes or marks only just overlap.
 const JUST_UNDER: f64 = 1.0 - 1e-9;
@@ -56,7 +46,7 @@ const BETWEEN: [f64; 4] = [0.12, 0.35, 0.65, 0.88];
 /// The number of steps in which the passes beside a place are tried.
 const MARCH: u8 = 24;
 
-/// The highest ridge, as a share of the lengths that bound it.
+/// The highest ridge, as a share of the lengths that bound it; on planes it is at most 0.45 of them.
 const HIGHEST: f64 = 2.0;
 
 /// The envelope model at one contact. It covers every slope from 0 to 90 deg and every cutter.
@@ -190,71 +180,6 @@ impl Envelope {
     ) -> Result<ScallopHeight, NoAnswer> {
         let total = self.ridge(step_over, feed_per_tooth)?;
         Ok(ScallopHeight::of_total(step_over_height, Length::computed(total.level)).with_turn(total.turn))
-    }
-
-    /// The largest feed per tooth that keeps `tolerance` on h at a step-over along the surface.
-    ///
-    /// # Errors
-    /// - [`NoAnswer::StepOverUsesUpTolerance`], [`NoAnswer::ToleranceLimitsNoFeed`];
-    /// - those of the step-over in [`Envelope::scallop_height`].
-    pub fn max_feed_per_tooth(&self, tolerance: Length, step_over: Length) -> Result<Length, NoAnswer> {
-        self.max_feed_per_tooth_above(self.step_over_height(step_over)?, tolerance, step_over)
-    }
-
-    /// The largest feed per tooth beside a step-over that alone leaves `step_over_height`.
-    pub(super) fn max_feed_per_tooth_above(
-        &self,
-        step_over_height: Length,
-        tolerance: Length,
-        step_over: Length,
-    ) -> Result<Length, NoAnswer> {
-        let (p, s) = (tolerance.mm(), step_over.mm());
-        let used_up = || {
-            let max_step_over = self.max_step_over(tolerance, None)?;
-            Err(NoAnswer::StepOverUsesUpTolerance { step_over_height, max_step_over })
-        };
-        if step_over_height >= tolerance {
-            return used_up();
-        }
-        let largest = self.pattern.feed_per_tooth(self.largest_spacing(s));
-        if largest < Length::SMALLEST {
-            return Err(NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(largest) });
-        }
-        let [along, across, _] = self.groove();
-        // The heights of parabolas add up.
-        let spacing = (8.0 * (p - step_over_height.mm()).max(p * 1e-6).min(p - across * s * s / 8.0).max(p * 1e-6) / along).sqrt();
-        let guess = Lengths { level: p, step_over: s, feed: self.pattern.feed_per_tooth(spacing) };
-        match self.solve(Sought::Feed, guess, largest) {
-            Outcome::At(feed) if feed >= Length::SMALLEST => Ok(Length::computed(feed)),
-            Outcome::Above => Err(NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: Length::computed(largest) }),
-            Outcome::At(_) | Outcome::Below => used_up(),
-        }
-    }
-
-    /// The largest step-over along the surface that keeps `tolerance` on h at a feed per tooth.
-    ///
-    /// # Errors
-    /// - [`NoAnswer::FeedUsesUpTolerance`] if even passes [`Length::SMALLEST`] apart exceed the tolerance;
-    /// - [`NoAnswer::MarksDoNotOverlap`];
-    /// - [`NoAnswer::ToleranceLimitsNoStepOver`] if no step-over up to the largest one exceeds the tolerance.
-    pub fn max_step_over(&self, tolerance: Length, feed_per_tooth: Option<Length>) -> Result<Length, NoAnswer> {
-        let (p, feed) = (tolerance.mm(), feed_per_tooth.map_or(0.0, Length::mm));
-        let spacing = self.pattern.spacing(feed);
-        let largest = self.largest_step_over(spacing);
-        if largest < Length::SMALLEST {
-            return Err(self.no_height(Length::SMALLEST, feed));
-        }
-        let [along, across, _] = self.groove();
-        let left = (p - along * spacing * spacing / 8.0).max(p * 1e-6);
-        let guess = Lengths { level: p, step_over: (8.0 * left / across).sqrt().min(largest), feed };
-        match self.solve(Sought::StepOver, guess, largest) {
-            Outcome::At(step_over) if step_over >= Length::SMALLEST => Ok(Length::computed(step_over)),
-            Outcome::Above => Err(NoAnswer::ToleranceLimitsNoStepOver { largest_step_over: Length::computed(largest) }),
-            Outcome::At(_) | Outcome::Below => {
-                let feed_height = self.height(Length::SMALLEST, feed).ok_or_else(|| self.no_height(Length::SMALLEST, feed))?;
-                Err(NoAnswer::FeedUsesUpTolerance { feed_height: Length::computed(feed_height.level.max(p)) })
-            }
-        }
     }
 
     fn ridge(&self, step_over: Length, feed_per_tooth: Option<Length>) -> Result<Height, NoAnswer> {
@@ -418,78 +343,6 @@ impl Envelope {
         self.pass.surface.is_plane() || feed == 0.0 || clears(0, c) && clears(1, c - step_over)
     }
 
-    /// The largest length at which h is at most a tolerance, by the fast search or the sure one. On a curved surface a height
-    /// confirms it, or the root of the height is sought beside it.
-    #[expect(clippy::float_cmp, reason = "a length that is held to its bound is the bound")]
-    fn solve(&self, sought: Sought, guess: Lengths, largest: f64) -> Outcome {
-        let excess = |length: f64| {
-            let lengths = guess.with(sought, length);
-            let height = self.height(lengths.step_over, lengths.feed)?;
-            let excess = height.level / guess.level - 1.0;
-            Some(if excess.abs() <= MET { 0.0 } else { excess })
-        };
-        let is_plane = self.pass.surface.is_plane();
-        let is_right = |length: f64| is_plane || excess(length) == Some(0.0);
-        let smallest = guess.with(sought, Length::SMALLEST);
-        let least = Lengths { level: self.guess(smallest.step_over, smallest.feed), ..smallest };
-        let is_used_up = || self.quickly(&self.body, Sought::Level, least).is_some_and(|ridge| ridge.lengths.level > guess.level);
-        // Where the approximation is over the tolerance, the refusal comes first: the searches for a length would all fail.
-        let is_refusal_likely = least.level > guess.level;
-        if is_refusal_likely && is_used_up() {
-            return Outcome::Below;
-        }
-        for body in self.bodies() {
-            let quick = self.quickly(body, sought, guess).map(|ridge| ridge.lengths.get(sought));
-            if let Some(length) = quick.filter(|length| *length <= largest && is_right(*length)) {
-                return Outcome::At(length);
-            }
-        }
-        if !is_refusal_likely && is_used_up() {
-            return Outcome::Below;
-        }
-        let sure = self.search(&self.body).solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess));
-        let start = match sure {
-            // Where passes or marks only just overlap, rounding decides.
-            Outcome::At(length) if length > largest * JUST_UNDER && excess(largest).is_some_and(|excess| excess <= 0.0) => {
-                return Outcome::Above;
-            }
-            Outcome::At(length) if !is_right(length) => length,
-            Outcome::Above if !is_plane => largest,
-            Outcome::Below if !is_plane => Length::SMALLEST,
-            right => return right,
-        };
-        let mut ratio = FIRST_RATIO;
-        let (mut kept, mut exceeds) = (0.0_f64, f64::INFINITY);
-        let mut keeps = |length: f64| {
-            // Lengths at which passes or marks do not meet leave everything.
-            let excess = excess(length).unwrap_or(f64::MAX);
-            if excess <= 0.0 {
-                kept = kept.max(length);
-            } else {
-                exceeds = exceeds.min(length);
-            }
-            // Where the height jumps over the tolerance.
-            if kept > 0.0 && exceeds - kept <= JUMP * kept { 0.0 } else { excess }
-        };
-        let mut value = start.clamp(Length::SMALLEST, largest);
-        let is_over = keeps(value) > 0.0;
-        let mut end = value;
-        loop {
-            let bound = if is_over { Length::SMALLEST } else { largest };
-            if end == bound {
-                return if is_over { Outcome::Below } else { Outcome::Above };
-            }
-            value = end;
-            end = (if is_over { end / ratio } else { end * ratio }).clamp(Length::SMALLEST, largest);
-            if (keeps(end) > 0.0) != is_over {
-                break;
-            }
-            ratio = (ratio * ratio).min(LARGEST_RATIO);
-        }
-        let Ok(_) = bracketed_root(value.min(end), value.max(end), |length| Ok::<_, Infallible>(keeps(length)));
-        Outcome::At(kept)
-    }
-
     /// The bodies of which the one that leaves more decides.
     fn bodies(&self) -> impl Iterator<Item = &CutterBody> {
         self.turned.iter().chain([&self.body])
@@ -558,88 +411,4 @@ impl Envelope {
         });
         MarkPlaces { x, c: half }
     }
-
-    /// d/s, the ratio of the passes' distance seen from above to that along the surface: cos(S) / cos(climb). Seen from
-    /// above, a unit square with a side along the feed has the area cos(S), and that side the length cos(climb). On a
-    /// wall the ratio is 1 for the vertical feed and 0 for any other; only omega distinguishes feeds there.
-    fn spacing_ratio(&self) -> f64 {
-        if self.climb.cos() == 0.0 { 1.0 } else { self.contact().slope().cos().abs() / self.climb.cos() }
-    }
-
-    /// Whether passes s apart with marks f apart overlap, seen from above. The largest step-over and feed lie on the
-    /// limit, up to a few rounding errors.
-    fn overlap(&self, s: f64, f: f64) -> bool {
-        let (across, along) = (s * self.spacing_ratio(), f * self.climb.cos());
-        let diameter = 2.0 * self.outer_radius * (1.0 + 16.0 * f64::EPSILON);
-        across * across + along * along <= diameter * diameter
-    }
-
-    /// The reason why passes s apart with a feed per tooth have no height: they do not overlap seen from above, or on a curved
-    /// surface the grooves or the marks do not meet.
-    fn no_height(&self, s: f64, feed: f64) -> NoAnswer {
-        if feed == 0.0 || self.height(s, 0.0).is_none() {
-            // With a feed at which no passes overlap, the feed is the next thing to change.
-            let with_marks = Some(self.largest_met_step_over(feed)).filter(|step_over| feed > 0.0 && *step_over >= Length::SMALLEST);
-            let largest_step_over = with_marks.unwrap_or_else(|| self.largest_met_step_over(0.0));
-            return NoAnswer::PassesDoNotOverlap { largest_step_over: Length::computed(largest_step_over) };
-        }
-        let largest = self.pattern.feed_per_tooth(self.largest_spacing(s));
-        let met = if self.pass.surface.is_plane() { largest } else { largest_met(largest, |feed| self.height(s, feed).is_some()) };
-        NoAnswer::MarksDoNotOverlap { largest_mark_spacing: Length::computed(met) }
-    }
-
-    /// The largest step-over at which passes with a feed per tooth meet; on a curved surface one that is smaller by at most
-    /// [`STATED`].
-    fn largest_met_step_over(&self, feed: f64) -> f64 {
-        let overlapping = self.largest_step_over(self.pattern.spacing(feed));
-        if self.pass.surface.is_plane() {
-            overlapping
-        } else {
-            // An answer has both heights.
-            largest_met(overlapping, |s| [feed, 0.0].into_iter().all(|feed| self.height(s, feed).is_some()))
-        }
-    }
-
-    /// The step-over up to which passes with marks f apart overlap, seen from above, and grooves meet on a curved
-    /// surface. It is reduced by a rounding error, so that it is itself in the domain, and is at most the largest
-    /// accepted length.
-    fn largest_step_over(&self, f: f64) -> f64 {
-        let on_plane = largest_leg(2.0 * self.outer_radius, f * self.climb.cos(), self.spacing_ratio());
-        on_plane.min(2.0 * STEEPEST / self.pass.surface.across_per_mm().abs())
-    }
-
-    /// The distance up to which marks overlap, seen from above, in passes s apart.
-    fn largest_spacing(&self, s: f64) -> f64 {
-        largest_leg(2.0 * self.outer_radius, s * self.spacing_ratio(), self.climb.cos())
-    }
-}
-
-/// The largest length, at most `length`, that has a height, to [`STATED`]: 0 if none has down to the smallest.
-fn largest_met(length: f64, has_height: impl Fn(f64) -> bool) -> f64 {
-    if has_height(length) {
-        return length;
-    }
-    let mut high = length;
-    let mut low = loop {
-        let low = high / 2.0;
-        if low < Length::SMALLEST {
-            return 0.0;
-        }
-        if has_height(low) {
-            break low;
-        }
-        high = low;
-    };
-    while high - low > STATED * high {
-        let middle = f64::midpoint(low, high);
-        if has_height(middle) { low = middle } else { high = middle }
-    }
-    low
-}
-
-/// The length x for which `ratio` x and `leg` are the legs of a right triangle with the hypotenuse `hypotenuse`. It is
-/// reduced by a rounding error, and at most the largest accepted length.
-fn largest_leg(hypotenuse: f64, leg: f64, ratio: f64) -> f64 {
-    let room = ((hypotenuse - leg) * (hypotenuse + leg)).max(0.0).sqrt();
-    (room / ratio * (1.0 - 4.0 * f64::EPSILON)).min(Length::LARGEST)
 }

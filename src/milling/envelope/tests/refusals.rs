@@ -42,3 +42,16 @@ fn a_concave_surface_that_the_cutter_gouges_is_an_error() {
     let floor = Envelope::new(curved(pass(cutter(5.0, 0.4), 0.0, 0.0), -1e6)).map(|_| ());
     assert_eq!(floor, Err(NoAnswer::Gouges { smallest_radius: None }));
 }
+
+#[test]
+fn beyond_the_longest_step_over_on_a_strongly_curved_surface_there_is_no_height_again() {
+    let torus = Cutter::toroidal(mm(49.502), mm(0.132_64)).unwrap();
+    let surface = SurfaceCurvature::from_components_per_mm(0.026_87, 0.037_39, -0.006_39).unwrap();
+    let envelope = Envelope::new(Pass { surface, ..pass(torus, 38.54, 26.88) }).unwrap();
+    // The quadric goes on where the surface, with radii of 24 and 44 mm, does not.
+    let heights: Vec<Option<f64>> = (1..=60).map(|s| envelope.at(f64::from(s), 0.0)).collect();
+    let count = heights.iter().take_while(|height| height.is_some()).count();
+    assert!((25..40).contains(&count), "{count} step-overs have a height");
+    assert!(heights[count..].iter().all(Option::is_none), "{heights:?}");
+    assert!(heights[..count].is_sorted(), "{heights:?}");
+}
