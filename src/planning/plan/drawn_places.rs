@@ -19,11 +19,18 @@ pub(super) enum Set {
     /// Plans are judged on these. One that fails is spaced on them too, and judged on the last.
     Unseen = 2,
     Last = 3,
+    /// Many more places, of which those around high ones are used.
+    Dense = 4,
 }
 
 impl Set {
     pub(super) fn seed(self) -> u64 {
         self as u64
+    }
+
+    /// About how many places it has.
+    pub(super) fn count(self) -> usize {
+        if self == Self::Dense { 8 * JUDGED_ON } else { JUDGED_ON }
     }
 }
 

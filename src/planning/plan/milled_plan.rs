@@ -8,7 +8,7 @@ use super::family::Family;
 use super::judged::{FinishFigures, Judged, judged, respace};
 use super::levels::LevelMaker;
 use super::prepared::Prepared;
-use super::region::Region;
+use super::region::{Cells, Region};
 use super::runs::{Run, RunMaker};
 use super::settings::PlanSettings;
 use super::spread::{Allowed, Spread};
@@ -32,14 +32,18 @@ struct Effort {
     rounds: RangeInclusive<usize>,
     /// The share of the lines that another round must spare to be worth its time.
     spared: f64,
+    /// The share of the area that may be far over the scallop height.
+    enough: f64,
     /// The share of the area that may stay far over the scallop height before the feet of walls are looked for, which takes as long as
     /// a few rounds.
     standing: f64,
 }
 
 impl Effort {
-    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, standing: ENOUGH };
-    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, standing: 0.0 };
+    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, enough: ENOUGH, standing: ENOUGH };
+    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, enough: ENOUGH, standing: 0.0 };
+    /// For a plan that does not keep the scallop height where it was not spaced.
+    const AGAIN: Self = Self { rounds: 2..=4, spared: 0.02, enough: UNSEEN_ENOUGH, standing: 0.0 };
 }
 
 /// The most samples of a path's lines, some four seconds on two threads.
@@ -50,6 +54,11 @@ const ENOUGH: f64 = 0.002;
 
 /// The share up to which it counts as kept on stations on which lines were not spaced.
 const UNSEEN_ENOUGH: f64 = 0.003;
+
+/// The share of the scallop height from which on further places are drawn around a place, and the width of the cells in which they
+/// are, in mean distances of places.
+const HIGH: f64 = 0.5;
+const CELL: f64 = 1.5;
 
 /// The plan of a candidate with one family of lines.
 #[derive(Debug, Clone)]
@@ -127,7 +136,7 @@ impl Planner<'_> {
     }
 
     /// The plan of a draft, finely sampled, with the figures of stations on which it was not spaced. If it does not keep the scallop
-    /// height there, it is spaced on these too, and judged on others.
+    /// height there, it is spaced on these too, and on many around high ones, and judged on others.
     pub(super) fn finished(&self, draft: Draft) -> Result<MilledPlan, NoPlan> {
         let Draft { family, spread, allowed, .. } = draft;
         let fine = Sampling::fine(&self.prepared.profile, CHORD_SHARE * self.settings.scallop_height.mm());
@@ -137,9 +146,30 @@ impl Planner<'_> {
         if plan.finish.far_over_share <= UNSEEN_ENOUGH {
             return Ok(plan);
         }
-        let both: Vec<Station> = self.stations.iter().copied().chain(unseen).collect();
-        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, fine, &Effort::PLAN)?;
+        let near = self.near_high_places(&plan, &unseen);
+        let both: Vec<Station> = self.stations.iter().copied().chain(unseen).chain(near).collect();
+        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, fine, &Effort::AGAIN)?;
         self.measured(&(self.further)(Set::Last), plan)
+    }
+
+    /// Further stations around those of `stations` that a plan leaves high. Flat-end cutters on curved surfaces leave that along a narrow
+    /// band, across which strips between lines are so many that only some have a station there. They have no area: the figures are
+    /// those of the others.
+    fn near_high_places(&self, plan: &MilledPlan, stations: &[Station]) -> Vec<Station> {
+        let height = self.settings.scallop_height.mm();
+        let is_high = |judged: &Judged| judged.left.is_some_and(|left| left + judged.marks > HIGH * height);
+        let high = stations.iter().zip(&plan.judged).filter(|(station, judged)| station.lift <= height && is_high(judged));
+        let area: f64 = stations.iter().map(|station| station.place.area).sum();
+        #[expect(clippy::cast_precision_loss, reason = "thousands")]
+        let side = CELL * (area / stations.len().max(1) as f64).sqrt();
+        let seen_from_above = |station: &Station| [station.place.point[0], station.place.point[1]];
+        let cells = Cells::around(high.map(|(station, _)| seen_from_above(station)), side);
+        let mut near = (self.further)(Set::Dense);
+        near.retain(|station| cells.contain(seen_from_above(station)));
+        for station in &mut near {
+            station.place.area = 0.0;
+        }
+        near
     }
 
     /// The best of some rounds. In each round lines move to the spacings that the round before allows.
@@ -229,7 +259,7 @@ impl Planner<'_> {
         let judged = judged(workpiece, unseen, prepared, &plan.family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
         let finish = FinishFigures::of(unseen, &judged, height);
         let gouge = Length::computed(finish.gouge.mm().max(plan.finish.gouge.mm()));
-        Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, ..plan })
+        Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, judged, ..plan })
     }
 
     /// The share of the area of places that the cutter reaches and the path leaves far over the scallop height.
@@ -274,5 +304,5 @@ fn rank_of(plan: &MilledPlan) -> f64 {
 /// Whether another round with `next` lines is worth its time after this one.
 #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
 fn is_worthwhile(this: &MilledPlan, next: usize, effort: &Effort) -> bool {
-    this.finish.far_over_share > ENOUGH || (next as f64) < (1.0 - effort.spared) * this.lines.len() as f64
+    this.finish.far_over_share > effort.enough || (next as f64) < (1.0 - effort.spared) * this.lines.len() as f64
 }

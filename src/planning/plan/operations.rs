@@ -220,7 +220,7 @@ impl Arranged<'_> {
         let height = settings.scallop_height.mm();
         let left = |places: Vec<DrawnPlace>| if planned.is_rest { self.left_by(before, places) } else { places };
         let of_set = |set: Set| {
-            let places = drawn_until(workpiece, JUDGED_ON, set.seed(), &|target| workpiece.is_sloped(target, planned.slopes), &left);
+            let places = drawn_until(workpiece, set.count(), set.seed(), &|target| workpiece.is_sloped(target, planned.slopes), &left);
             stations(workpiece, &prepared.profile, &places, height, stop)
         };
         let on = of_set(Set::Spaced);

@@ -3,7 +3,7 @@
 
 use super::candidate::CandidateCutter;
 use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
-use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
+use super::drawn_places::{DrawnPlace, ESTIMATED_ON, Set, drawn};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
 use super::judged::KEPT;
@@ -210,7 +210,7 @@ pub fn rank(
     shortest.sort_by(f64::total_cmp);
     let last = shortest.get(MOST_CANDIDATES - 1).copied().unwrap_or(f64::INFINITY);
     let limit = shortest.first().map_or(0.0, |shortest| (FAR_BEHIND * shortest).min(last));
-    let sets: [OnceCell<Vec<DrawnPlace>>; 3] = Default::default();
+    let sets: [OnceCell<Vec<DrawnPlace>>; 4] = Default::default();
     let (samples, along_part) = (Cell::new(0), along_part(settings));
     let mut plans = Vec::new();
     estimated.sort_by(|a, b| a.shortest().total_cmp(&b.shortest()));
@@ -222,7 +222,7 @@ pub fn rank(
         }
         let prepared = &of_candidate.prepared;
         let of_set = |set: Set| {
-            let places = sets[set as usize - 1].get_or_init(|| places(JUDGED_ON, set.seed()));
+            let places = sets[set as usize - 1].get_or_init(|| places(set.count(), set.seed()));
             stations(workpiece, &prepared.profile, places, height, stop)
         };
         let on = of_set(Set::Spaced);

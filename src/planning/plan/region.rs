@@ -37,14 +37,14 @@ impl Region {
 
 /// Square cells of the plan view.
 #[derive(Debug, Clone)]
-struct Cells {
+pub(super) struct Cells {
     side: f64,
     marked: HashSet<[i32; 2]>,
 }
 
 impl Cells {
     /// The cells of points, and those around them.
-    fn around(points: impl Iterator<Item = [f64; 2]>, side: f64) -> Self {
+    pub(super) fn around(points: impl Iterator<Item = [f64; 2]>, side: f64) -> Self {
         let mut cells = Self { side, marked: HashSet::new() };
         for [x, y] in points.map(|point| cells.cell(point)).collect::<HashSet<_>>() {
             cells.marked.extend((-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [x + dx, y + dy])));
@@ -57,7 +57,7 @@ impl Cells {
         point.map(|part| (part / self.side).floor() as i32)
     }
 
-    fn contain(&self, point: [f64; 2]) -> bool {
+    pub(super) fn contain(&self, point: [f64; 2]) -> bool {
         self.marked.contains(&self.cell(point))
     }
 }
