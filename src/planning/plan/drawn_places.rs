@@ -1,5 +1,6 @@
 //! Places drawn evenly over the area to machine, on which plans are estimated and judged.
 
+use super::cells::Cells;
 use super::workpiece::Workpiece;
 use crate::numerics::random::Random;
 use crate::numerics::z_order::z_order;
@@ -44,6 +45,17 @@ pub(super) struct DrawnPlace {
     pub(super) area: f64,
 }
 
+impl DrawnPlace {
+    pub(super) fn seen_from_above(&self) -> [f64; 2] {
+        [self.point[0], self.point[1]]
+    }
+}
+
+/// The places in some cells, or all of them.
+pub(super) fn within(places: &[DrawnPlace], cells: Option<&Cells>) -> Vec<DrawnPlace> {
+    places.iter().filter(|place| cells.is_none_or(|cells| cells.contain(place.seen_from_above()))).copied().collect()
+}
+
 /// A facet higher than this over a place, in mm, hides it.
 const HIDDEN: f64 = 1e-3;
 
@@ -66,7 +78,7 @@ pub(super) fn drawn_from(workpiece: &Workpiece, count: usize, seed: u64, belongs
     for target in order {
         passed += workpiece.targets[target].area;
         while passed >= due && places.len() < count {
-            places.push(DrawnPlace { target, point: within(workpiece.targets[target].corners, &mut random), area: share });
+            places.push(DrawnPlace { target, point: in_triangle(workpiece.targets[target].corners, &mut random), area: share });
             due = (places.len() as f64 + random.unit()) * share;
         }
     }
@@ -95,7 +107,7 @@ fn along_curve(workpiece: &Workpiece) -> Vec<usize> {
 }
 
 /// A point evenly drawn from a triangle.
-fn within([a, b, c]: [[f64; 3]; 3], random: &mut Random) -> [f64; 3] {
+fn in_triangle([a, b, c]: [[f64; 3]; 3], random: &mut Random) -> [f64; 3] {
     let (mut u, mut v) = (random.unit(), random.unit());
     if u + v > 1.0 {
         (u, v) = (1.0 - u, 1.0 - v);

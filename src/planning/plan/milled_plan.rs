@@ -2,13 +2,14 @@
 //! the scallop height is kept and used.
 
 use super::border::Feet;
+use super::cells::Cells;
 use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
 use super::family::Family;
 use super::judged::{FinishFigures, Judged, judged, respace};
 use super::levels::LevelMaker;
 use super::prepared::Prepared;
-use super::region::{Cells, Region};
+use super::region::Region;
 use super::runs::{Run, RunMaker};
 use super::settings::PlanSettings;
 use super::spread::{Allowed, Spread};
@@ -108,8 +109,8 @@ pub(super) struct Planner<'a> {
     pub(super) region: &'a Region,
     /// The stations on which lines are spaced.
     pub(super) stations: &'a [Station],
-    /// The stations of a further set of places.
-    pub(super) further: &'a dyn Fn(Set) -> Vec<Station>,
+    /// The stations of a further set of places, or of those in some cells.
+    pub(super) further: &'a dyn Fn(Set, Option<&Cells>) -> Vec<Station>,
     /// The feet of walls, once a plan needs them.
     pub(super) feet: OnceCell<Feet>,
     /// The samples of all lines planned so far.
@@ -141,7 +142,7 @@ impl Planner<'_> {
         let Draft { family, spread, allowed, .. } = draft;
         let fine = Sampling::fine(&self.prepared.profile, CHORD_SHARE * self.settings.scallop_height.mm());
         let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, &Effort::PLAN)?;
-        let unseen = (self.further)(Set::Unseen);
+        let unseen = (self.further)(Set::Unseen, None);
         let plan = self.measured(&unseen, plan)?;
         if plan.finish.far_over_share <= UNSEEN_ENOUGH {
             return Ok(plan);
@@ -149,7 +150,7 @@ impl Planner<'_> {
         let near = self.near_high_places(&plan, &unseen);
         let both: Vec<Station> = self.stations.iter().copied().chain(unseen).chain(near).collect();
         let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, fine, &Effort::AGAIN)?;
-        self.measured(&(self.further)(Set::Last), plan)
+        self.measured(&(self.further)(Set::Last, None), plan)
     }
 
     /// Further stations around those of `stations` that a plan leaves high. Flat-end cutters on curved surfaces leave that along a narrow
@@ -162,10 +163,8 @@ impl Planner<'_> {
         let area: f64 = stations.iter().map(|station| station.place.area).sum();
         #[expect(clippy::cast_precision_loss, reason = "thousands")]
         let side = CELL * (area / stations.len().max(1) as f64).sqrt();
-        let seen_from_above = |station: &Station| [station.place.point[0], station.place.point[1]];
-        let cells = Cells::around(high.map(|(station, _)| seen_from_above(station)), side);
-        let mut near = (self.further)(Set::Dense);
-        near.retain(|station| cells.contain(seen_from_above(station)));
+        let cells = Cells::around(high.map(|(station, _)| station.place.seen_from_above()), side);
+        let mut near = (self.further)(Set::Dense, Some(&cells));
         for station in &mut near {
             station.place.area = 0.0;
         }

@@ -2,7 +2,7 @@
 //!
 //! A plan is made of tips, not of contacts: the drop-cutter of [`crate::path`] tells the height at which the cutter can
 //! stand. Lines are vertical planes, straight seen from above. For each candidate cutter, `stations` finds the tips that
-//! finish places drawn over the surface by `places`, and `estimate` the time of each direction from them. The best
+//! finish places drawn over the surface by `drawn_places`, and `estimate` the time of each direction from them. The best
 //! directions are planned: `spread` spaces the lines by what the stations allow, `runs` finds the tips along them,
 //! `border` adds passes along the feet of walls, `order` and `tour` link the runs to one path, and `judged` mills it and
 //! states what it leaves; `milled_plan` moves the lines until the scallop height is kept and used. `ranking` is the entry
@@ -12,6 +12,7 @@ mod arrangement;
 mod border;
 mod candidate;
 mod candidate_plan;
+mod cells;
 mod chain;
 mod drawn_places;
 mod estimate;

@@ -4,7 +4,8 @@
 use super::arrangement::{Arrangement, Arranger, Planned, Tool};
 use super::candidate::CandidateCutter;
 use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
-use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn};
+use super::cells::Cells;
+use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn, within};
 use super::estimate::least_seconds;
 use super::family::Family;
 use super::judged::{FinishFigures, Judged, KEPT, judged};
@@ -219,11 +220,11 @@ impl Arranged<'_> {
         let Tool { prepared, .. } = &tools[planned.tool];
         let height = settings.scallop_height.mm();
         let left = |places: Vec<DrawnPlace>| if planned.is_rest { self.left_by(before, places) } else { places };
-        let of_set = |set: Set| {
+        let of_set = |set: Set, cells: Option<&Cells>| {
             let places = drawn_until(workpiece, set.count(), set.seed(), &|target| workpiece.is_sloped(target, planned.slopes), &left);
-            stations(workpiece, &prepared.profile, &places, height, stop)
+            stations(workpiece, &prepared.profile, &within(&places, cells), height, stop)
         };
-        let on = of_set(Set::Spaced);
+        let on = of_set(Set::Spaced, None);
         let region = if planned.is_rest {
             Region::of_rest(&on, &prepared.profile, height)
         } else {

@@ -3,7 +3,8 @@
 
 use super::candidate::CandidateCutter;
 use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
-use super::drawn_places::{DrawnPlace, ESTIMATED_ON, Set, drawn};
+use super::cells::Cells;
+use super::drawn_places::{DrawnPlace, ESTIMATED_ON, Set, drawn, within};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
 use super::judged::KEPT;
@@ -221,11 +222,11 @@ pub fn rank(
             continue;
         }
         let prepared = &of_candidate.prepared;
-        let of_set = |set: Set| {
+        let of_set = |set: Set, cells: Option<&Cells>| {
             let places = sets[set as usize - 1].get_or_init(|| places(set.count(), set.seed()));
-            stations(workpiece, &prepared.profile, places, height, stop)
+            stations(workpiece, &prepared.profile, &within(places, cells), height, stop)
         };
-        let on = of_set(Set::Spaced);
+        let on = of_set(Set::Spaced, None);
         let region = if rest_of.is_some() { Region::of_rest(&on, &prepared.profile, height) } else { Region::WHOLE };
         let planner = Planner {
             workpiece,

@@ -1,9 +1,9 @@
 //! What an operation machines: the facets within a range of slopes, and the places that an earlier operation has left.
 
+use super::cells::Cells;
 use super::stations::Station;
 use super::workpiece::Workpiece;
 use crate::milling::Profile;
-use std::collections::HashSet;
 
 /// A part of the surface to machine.
 #[derive(Debug, Clone)]
@@ -32,32 +32,5 @@ impl Region {
     /// Whether a tip over a point that finishes a target belongs to the region.
     pub(super) fn includes(&self, target: usize, axis: [f64; 2]) -> bool {
         self.targets.as_ref().is_none_or(|targets| targets[target]) && self.standing.as_ref().is_none_or(|cells| cells.contain(axis))
-    }
-}
-
-/// Square cells of the plan view.
-#[derive(Debug, Clone)]
-pub(super) struct Cells {
-    side: f64,
-    marked: HashSet<[i32; 2]>,
-}
-
-impl Cells {
-    /// The cells of points, and those around them.
-    pub(super) fn around(points: impl Iterator<Item = [f64; 2]>, side: f64) -> Self {
-        let mut cells = Self { side, marked: HashSet::new() };
-        for [x, y] in points.map(|point| cells.cell(point)).collect::<HashSet<_>>() {
-            cells.marked.extend((-1..=1).flat_map(|dx| (-1..=1).map(move |dy| [x + dx, y + dy])));
-        }
-        cells
-    }
-
-    #[expect(clippy::cast_possible_truncation, reason = "extents over sides are under 2^31")]
-    fn cell(&self, point: [f64; 2]) -> [i32; 2] {
-        point.map(|part| (part / self.side).floor() as i32)
-    }
-
-    pub(super) fn contain(&self, point: [f64; 2]) -> bool {
-        self.marked.contains(&self.cell(point))
     }
 }
