@@ -252,9 +252,9 @@ fn print_by_warning(name: &str, outcomes: &[Outcome]) {
 /// The share of a height that the simulation's rounding may reach.
 const REACHED: f64 = 1.001;
 
-/// The share of a height that may be reached on close fits under 10 deg, where the normal turns between the marks by a large part of the
-/// slope: two of 4,269 reach 1.004.
-const REACHED_ON_GENTLE_SLOPES: f64 = 1.01;
+/// The share of a height that one in a thousand close fits may reach, under 10 deg: there the normal turns between the marks by a large
+/// part of the slope.
+const REACHED_BY_A_THOUSANDTH: f64 = 1.01;
 
 /// The share of a height that may be reached on curved surfaces with runout, where the turning of the normal changes a height in the ratio of that for
 /// marks of equal depth, which is an approximation.
@@ -282,9 +282,10 @@ fn heights_of_close_fits_are_not_exceeded_from_a_quarter_of_the_curvature_on() {
     print("harsh, lambda over 0.6", &within(0.6, f64::INFINITY).collect::<Vec<_>>());
     print("harsh, lambda 0.25 to 0.6", &within(0.25, 0.6).collect::<Vec<_>>());
     print("harsh, lambda under 0.25", &within(0.0, 0.25).collect::<Vec<_>>());
-    for outcome in within(0.25, f64::INFINITY) {
-        let largest = if outcome.slope_deg < 10.0 { REACHED_ON_GENTLE_SLOPES } else { REACHED };
-        assert!(outcome.share <= largest, "{outcome:?}");
+    let over: Vec<&Outcome> = within(0.25, f64::INFINITY).filter(|outcome| outcome.share > REACHED).collect();
+    assert!(1000 * over.len() <= outcomes.len(), "{over:?}");
+    for outcome in over {
+        assert!(outcome.slope_deg < 10.0 && outcome.share <= REACHED_BY_A_THOUSANDTH, "{outcome:?}");
     }
 }
 

@@ -29,7 +29,7 @@ impl Judged {
     }
 
     /// The height left, tooth marks included, infinite where no move reaches the place.
-    fn material(self) -> f64 {
+    pub(super) fn material(self) -> f64 {
         self.left.map_or(f64::INFINITY, |left| left.max(0.0) + self.marks)
     }
 }

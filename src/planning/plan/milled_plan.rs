@@ -56,8 +56,8 @@ const ENOUGH: f64 = 0.002;
 /// The share up to which it counts as kept on stations on which lines were not spaced.
 const UNSEEN_ENOUGH: f64 = 0.003;
 
-/// The share of the scallop height from which on further places are drawn around a place, and the width of the cells in which they
-/// are, in mean distances of places.
+/// A station is high from this share of the scallop height on. Further places are drawn in cells around high ones; the width of a cell,
+/// in mean distances of stations.
 const HIGH: f64 = 0.5;
 const CELL: f64 = 1.5;
 
@@ -153,12 +153,12 @@ impl Planner<'_> {
         self.measured(&(self.further)(Set::Last, None), plan)
     }
 
-    /// Further stations around those of `stations` that a plan leaves high. Flat-end cutters on curved surfaces leave that along a narrow
-    /// band, across which strips between lines are so many that only some have a station there. They have no area: the figures are
-    /// those of the others.
+    /// Further stations around those of `stations` that a plan leaves high. A flat-end cutter on a curved surface leaves most in a
+    /// narrow band, where lines run level. Many strips between lines cross it, and few of them have a station in it: the others stay
+    /// too wide. The further stations have no area, so that shares are those of places drawn evenly.
     fn near_high_places(&self, plan: &MilledPlan, stations: &[Station]) -> Vec<Station> {
         let height = self.settings.scallop_height.mm();
-        let is_high = |judged: &Judged| judged.left.is_some_and(|left| left + judged.marks > HIGH * height);
+        let is_high = |judged: &Judged| (HIGH * height..f64::INFINITY).contains(&judged.material());
         let high = stations.iter().zip(&plan.judged).filter(|(station, judged)| station.lift <= height && is_high(judged));
         let area: f64 = stations.iter().map(|station| station.place.area).sum();
         #[expect(clippy::cast_precision_loss, reason = "thousands")]
