@@ -70,10 +70,6 @@ impl Body {
         Self { profile: *profile, bottom: Bottom::of(profile) }
     }
 
-    pub(super) fn profile(&self) -> &Profile {
-        &self.profile
-    }
-
     pub(super) fn outer_radius(&self) -> f64 {
         self.profile.outer_radius()
     }

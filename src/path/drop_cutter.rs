@@ -188,9 +188,7 @@ impl DropCutter {
     /// within its radius. `guess`, a facet that was touched nearby, saves time; it does not change the height.
     #[must_use]
     pub fn drop(&self, profile: &Profile, x: f64, y: f64, guess: Option<u32>) -> Option<Touch> {
-        let bottom = Bottom::of(profile);
-        let squared_radius = bottom.radius() * bottom.radius();
-        let query = Query { bottom, at: [x, y], squared_radius, rounding: rounding_at([x, y]) };
+        let query = Query::of(profile, [x, y]);
         let mut highest = Highest::NONE;
         self.rest_nearby(&query, guess.and_then(|facet| self.places.get(facet as usize)).map(|place| *place as usize), &mut highest);
         self.visit(
@@ -199,6 +197,20 @@ impl DropCutter {
             &mut highest,
         );
         highest.height.is_finite().then(|| self.touch(&query, &highest))
+    }
+
+    /// Whether `is_met` holds for the corners of a facet that holds a tip at this place up. Some facets that do not may be asked for.
+    pub(super) fn any_over(&self, profile: &Profile, [x, y, z]: [f64; 3], is_met: impl Fn(&[[f64; 3]; 3]) -> bool) -> bool {
+        let query = Query::of(profile, [x, y]);
+        let mut highest = Highest { height: z, ..Highest::NONE };
+        let ask = |place: usize, highest: &mut Highest| {
+            if is_met(&self.corners[place]) {
+                // No facet is higher: the search ends.
+                highest.height = f64::INFINITY;
+            }
+        };
+        self.visit(|node, highest| query.bound(node, highest), ask, &mut highest);
+        highest.height.is_infinite()
     }
 
     /// The height of the highest facet over or under the place (x, y), in mm.
@@ -285,6 +297,12 @@ impl DropCutter {
 }
 
 impl Query {
+    fn of(profile: &Profile, at: [f64; 2]) -> Self {
+        let bottom = Bottom::of(profile);
+        let squared_radius = bottom.radius() * bottom.radius();
+        Self { bottom, at, squared_radius, rounding: rounding_at(at) }
+    }
+
     /// The point of a plane that the cutter touches if it stands on it, seen from above. A level plane is touched by the
     /// whole flat of the cutter, and so at the axis.
     fn contact(&self, gradient: [f64; 2], tangent: f64, stand: Stand) -> [f64; 2] {

@@ -32,6 +32,6 @@ pub use idle::idle_length;
 pub use milled::{Left, Milled};
 pub use moves::{Move, MoveKind};
 pub use places::{Place, Places};
-pub use standing::{Obstacles, Reach};
+pub use standing::{Reach, Standing};
 pub use tip_line::{Sampling, Tip, tips_between};
 pub use valleys::{Passage, Valley};

@@ -1,54 +1,147 @@
-//! Where a cutter can stand on a part without cutting it.
+//! Where the tip of a cutter stands when it finishes a place of a part, and whether it can stand there.
 
-#![allow(clippy::cast_precision_loss, reason = "counts are below 2^52")]
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_possible_wrap,
-    reason = "cells and moves are fewer than 2^32"
-)]
-
-use super::body::{Body, Ray, Swept};
+use super::body::{Body, Swept};
+use super::drop_cutter::DropCutter;
 use super::places::{Place, Places, twice_area};
 use crate::milling::Profile;
-use crate::numerics::vector::{difference, dot};
-use crate::surface::Mesh;
+use crate::numerics::vector::{difference, dot, length};
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// The sine of the slope under which a flat bottom is set on a place in several ways: rounded corners tilt the normal of
-/// level facets.
-const NEARLY_LEVEL: f64 = 0.02;
+/// The most steps away from what blocks a flat cutter beside a place.
+const MOST_STEPS: usize = 16;
 
-/// The most cells of the grid.
-const MOST_CELLS: f64 = 1e6;
+/// The gradient from which on a flat cutter moves off a plane as far as it is steep: on gentler ones it would pass what holds it up.
+const STEEP: f64 = 1.0;
 
-/// The facets that limit a cutter, in the cells of a grid in plan view. Facets that point down do not limit a cutter that
-/// comes from above more than those over them.
-#[derive(Debug, Clone)]
-pub struct Obstacles {
-    facets: Vec<Obstacle>,
-    origin: [f64; 2],
-    cell: f64,
-    columns: usize,
-    rows: usize,
-    starts: Vec<u32>,
-    entries: Vec<u32>,
+/// A facet whose normal has a vertical part under this is a wall.
+const WALL: f64 = 1e-4;
+
+/// The tip that finishes a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// Where the axis stands, seen from above, in mm.
+    pub axis: [f64; 2],
+    /// The height in mm of the tip that touches the place.
+    pub tip: f64,
+    /// The height in mm by which other facets hold the cutter above its contact with the place; 0 where it can touch the place and
+    /// cuts none deeper than the tolerance.
+    pub lift: f64,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Obstacle {
-    corners: [[f64; 3]; 3],
-    normal: [f64; 3],
-    top: f64,
+impl Standing {
+    /// The tip that finishes a place, with the depth in mm to which it may cut other facets. On steep facets a cutter that cuts a
+    /// little is held up by many times as much.
+    #[must_use]
+    pub fn at(drop: &DropCutter, profile: &Profile, place: &Place, tolerance: f64) -> Self {
+        let held_up = Self::held_up(drop, profile, place, tolerance);
+        let Self { axis: [x, y], tip, lift } = held_up;
+        if lift <= tolerance {
+            return held_up;
+        }
+        let body = Body::new(profile);
+        let is_blocked = drop.any_over(profile, [x, y, tip + tolerance], |corners| is_cut(&body, [x, y, tip], corners, tolerance));
+        if is_blocked { held_up } else { Self { lift: 0.0, ..held_up } }
+    }
+
+    /// The tip that finishes a place, with the height by which others hold it up. Under the flat of a cutter a level place is
+    /// finished from every axis within the flat's radius: one with a lift up to `tolerance` is looked for.
+    fn held_up(drop: &DropCutter, profile: &Profile, place: &Place, tolerance: f64) -> Self {
+        let Place { point: [x, y, z], normal: [normal_x, normal_y, normal_z], facet } = *place;
+        let horizontal = normal_x.hypot(normal_y);
+        let slope = horizontal.atan2(normal_z);
+        let (offset, height) = profile.arc_at(slope).point(slope);
+        let flat = profile.arcs()[0].point(0.0).0;
+        let lift_at = |axis: [f64; 2], tip: f64| drop.drop(profile, axis[0], axis[1], Some(facet)).map(|touch| (touch.height - tip, touch));
+        // On a slope the flat leaves its radius times the slope.
+        if flat * horizontal > 0.1 * tolerance || flat == 0.0 {
+            let down_hill = if horizontal > 0.0 { [normal_x / horizontal, normal_y / horizontal] } else { [1.0, 0.0] };
+            let axis = [x + offset * down_hill[0], y + offset * down_hill[1]];
+            let lift = lift_at(axis, z - height).map_or(0.0, |(lift, _)| lift.max(0.0));
+            return Self { axis, tip: z - height, lift };
+        }
+        let mut axis = [x, y];
+        let mut best = Self { axis, tip: z, lift: f64::INFINITY };
+        for _ in 0..MOST_STEPS {
+            let Some((lift, touch)) = lift_at(axis, z) else { break };
+            if lift < best.lift {
+                best = Self { axis, lift: lift.max(0.0), ..best };
+            }
+            if lift <= tolerance {
+                break;
+            }
+            // The axis moves away from what it touches until the profile clears it, or as far as the steep plane that touches the
+            // cutter there holds it up if that is farther, but not farther than the flat reaches.
+            let away = [axis[0] - touch.contact.x, axis[1] - touch.contact.y];
+            let distance = away[0].hypot(away[1]);
+            let needed = clear_distance(profile, touch.contact.z - z) * (1.0 + 1e-9) + 1e-6;
+            let gradient = touch.normal.x.hypot(touch.normal.y) / touch.normal.z;
+            let on_plane = if gradient >= STEEP { lift / gradient } else { 0.0 };
+            let farther = (needed - distance).max(on_plane);
+            if distance <= 0.0 || farther <= 0.0 {
+                break;
+            }
+            let step = farther / distance;
+            axis = [axis[0] + step * away[0], axis[1] + step * away[1]];
+            let from_place = [axis[0] - x, axis[1] - y];
+            let moved = from_place[0].hypot(from_place[1]);
+            if moved > flat {
+                axis = [x + from_place[0] * flat / moved, y + from_place[1] * flat / moved];
+            }
+        }
+        best
+    }
 }
 
-/// Which places a cutter could reach, if a path led it there: one that stands still, touches the place and cuts no other
-/// place by more than a tolerance. It depends on no path, is found where it is asked for, and kept.
+/// Whether a cutter with its tip there cuts into a facet deeper than `depth`: to where the ray from a place along the normal enters
+/// the cutter. The depth is concave over the facet: it is largest where the cutter's tangent plane has the facet's normal, if that
+/// is inside the facet, else on its border.
+fn is_cut(body: &Body, tip: [f64; 3], corners: &[[f64; 3]; 3], depth: f64) -> bool {
+    let twice = twice_area(*corners);
+    let size = length(twice);
+    if size <= 0.0 {
+        return false;
+    }
+    // Facets limit a cutter from above, whichever way they are turned. Walls have the outer side that they state.
+    let sign = if twice[2] < -WALL * size { -1.0 } else { 1.0 };
+    let normal = twice.map(|part| sign * part / size);
+    let ray = body.ray(corners[0], normal);
+    if Swept::new(tip, tip).tangent_plane(&ray) >= -depth {
+        return false;
+    }
+    let contact = difference(tip, ray.tip);
+    let is_inside = (0..3).all(|corner| {
+        let (from, to) = (corners[corner], corners[(corner + 1) % 3]);
+        sign * dot(twice_area([from, to, contact]), normal) >= 0.0
+    });
+    is_inside
+        || (0..3).any(|corner| {
+            let (from, to) = (corners[corner], corners[(corner + 1) % 3]);
+            // The cutter at the tip against the edge is the cutter moved back along the edge against its first corner.
+            let back = std::array::from_fn(|axis| tip[axis] - (to[axis] - from[axis]));
+            body.entry(&Swept::new(tip, back), &body.ray(from, normal), -depth).is_some()
+        })
+}
+
+/// The distance from the axis at which the profile has risen to `height`: R where that is above its corner.
+fn clear_distance(profile: &Profile, height: f64) -> f64 {
+    let (mut near, mut far) = (0.0, profile.outer_radius());
+    if profile.low(far) <= height {
+        return far;
+    }
+    for _ in 0..40 {
+        let middle = f64::midpoint(near, far);
+        if profile.low(middle) <= height { near = middle } else { far = middle }
+    }
+    far
+}
+
+/// Which places a cutter could reach, if a path led it there: it can stand where it finishes the place, within a tolerance. It
+/// depends on no path, is found where it is asked for, and kept.
 #[derive(Debug)]
 pub struct Reach<'a> {
-    obstacles: &'a Obstacles,
+    drop: &'a DropCutter,
     places: &'a Places,
-    bodies: Vec<Body>,
+    profiles: &'a [Profile],
     tolerance: f64,
     known: Vec<AtomicU8>,
 }
@@ -57,108 +150,15 @@ const UNKNOWN: u8 = 0;
 const CAN: u8 = 1;
 const CANNOT: u8 = 2;
 
-impl Obstacles {
-    /// All facets of the mesh that do not point down.
-    #[must_use]
-    pub fn new(mesh: &Mesh) -> Self {
-        let facets: Vec<Obstacle> = (0..mesh.triangles().len())
-            .filter_map(|facet| {
-                let (corners, normal) = (mesh.corners(facet), mesh.normal_and_area(facet).0);
-                let top = corners.iter().fold(f64::NEG_INFINITY, |top, corner| top.max(corner[2]));
-                (dot(normal, normal) > 0.0 && normal[2] >= -1e-4).then_some(Obstacle { corners, normal, top })
-            })
-            .collect();
-        let bounds = mesh.bounds();
-        let [width, height] = [0, 1].map(|axis| bounds.max[axis] - bounds.min[axis]);
-        let cell = (width * height / (facets.len() as f64).clamp(1.0, MOST_CELLS)).sqrt().max(width.max(height) / 1e3).max(1e-6);
-        let (columns, rows) = ((width / cell) as usize + 1, (height / cell) as usize + 1);
-        let origin = [bounds.min[0], bounds.min[1]];
-        let mut grid = Self { facets, origin, cell, columns, rows, starts: vec![0; columns * rows + 1], entries: Vec::new() };
-        let boxes: Vec<[usize; 4]> = grid.facets.iter().map(|facet| grid.cells(least(facet.corners), greatest(facet.corners))).collect();
-        for at in boxes.iter().flat_map(|range| cells_of(*range, columns)) {
-            grid.starts[at + 1] += 1;
-        }
-        for at in 1..grid.starts.len() {
-            grid.starts[at] += grid.starts[at - 1];
-        }
-        let mut next = grid.starts.clone();
-        grid.entries = vec![0; grid.starts[columns * rows] as usize];
-        for (number, range) in boxes.iter().enumerate() {
-            for at in cells_of(*range, columns) {
-                grid.entries[next[at] as usize] = number as u32;
-                next[at] += 1;
-            }
-        }
-        grid
-    }
-
-    /// The first and last column, and the first and last row, of the cells in a box.
-    fn cells(&self, min: [f64; 2], max: [f64; 2]) -> [usize; 4] {
-        let at = |value: f64, axis: usize, count: usize| (((value - self.origin[axis]) / self.cell).max(0.0) as usize).min(count - 1);
-        [at(min[0], 0, self.columns), at(max[0], 0, self.columns), at(min[1], 1, self.rows), at(max[1], 1, self.rows)]
-    }
-
-    /// Whether a cutter with its tip there cuts a facet by more than the tolerance.
-    fn are_cut(&self, body: &Body, tip: [f64; 3], tolerance: f64) -> bool {
-        let radius = body.outer_radius();
-        let range = self.cells([tip[0] - radius, tip[1] - radius], [tip[0] + radius, tip[1] + radius]);
-        cells_of(range, self.columns).any(|at| {
-            self.entries[self.starts[at] as usize..self.starts[at + 1] as usize]
-                .iter()
-                .any(|&facet| self.facets[facet as usize].is_cut(body, tip, tolerance))
-        })
-    }
-}
-
-impl Obstacle {
-    /// Material is cut to the depth at which the ray from a place along the normal enters the cutter. The depth is concave
-    /// over the facet: it is largest where the cutter's tangent plane has the facet's normal, if that is inside the facet,
-    /// else on its border.
-    fn is_cut(&self, body: &Body, tip: [f64; 3], tolerance: f64) -> bool {
-        if self.top <= tip[2] {
-            return false;
-        }
-        let ray = body.ray(self.corners[0], self.normal);
-        if Swept::new(tip, tip).tangent_plane(&ray) >= -tolerance {
-            return false;
-        }
-        let contact = difference(tip, ray.tip);
-        if self.contains(contact) {
-            return true;
-        }
-        (0..3).any(|corner| {
-            let (from, to) = (self.corners[corner], self.corners[(corner + 1) % 3]);
-            // The cutter at the tip against the edge is the cutter moved back along the edge against its first corner.
-            let back = std::array::from_fn(|axis| tip[axis] - (to[axis] - from[axis]));
-            body.entry(&Swept::new(tip, back), &body.ray(from, self.normal), -tolerance).is_some()
-        })
-    }
-
-    /// Whether the foot of the point on the facet's plane is in the facet.
-    fn contains(&self, point: [f64; 3]) -> bool {
-        (0..3).all(|corner| {
-            let (from, to) = (self.corners[corner], self.corners[(corner + 1) % 3]);
-            let moved = std::array::from_fn(|axis| point[axis] - dot(self.normal, difference(point, from)) * self.normal[axis]);
-            dot(twice_area([from, to, moved]), self.normal) >= 0.0
-        })
-    }
-}
-
 impl<'a> Reach<'a> {
-    /// What a cutter of this profile can reach among the places; the tolerance in mm, > 0.
+    /// What any of the cutters of these profiles can reach among the places of the part; the tolerance in mm, > 0.
     #[must_use]
-    pub fn new(profile: &Profile, obstacles: &'a Obstacles, places: &'a Places, tolerance: f64) -> Self {
-        Self::of_several(&[*profile], obstacles, places, tolerance)
-    }
-
-    /// What any of several cutters can reach.
-    #[must_use]
-    pub fn of_several(profiles: &[Profile], obstacles: &'a Obstacles, places: &'a Places, tolerance: f64) -> Self {
+    pub fn new(profiles: &'a [Profile], drop: &'a DropCutter, places: &'a Places, tolerance: f64) -> Self {
         let known = places.inside.iter().map(|_| AtomicU8::new(UNKNOWN)).collect();
-        Self { obstacles, places, bodies: profiles.iter().map(Body::new).collect(), tolerance, known }
+        Self { drop, places, profiles, tolerance, known }
     }
 
-    /// Whether the cutter could reach the place with this index.
+    /// Whether a cutter could reach the place with this index.
     #[must_use]
     pub fn includes(&self, index: usize) -> bool {
         match self.known[index].load(Ordering::Relaxed) {
@@ -171,51 +171,63 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// Whether the cutter can touch a place without cutting any other by more than the tolerance.
+    /// Whether a cutter can stand where it finishes the place.
     #[must_use]
     pub fn can_touch(&self, place: &Place) -> bool {
-        self.bodies.iter().any(|body| {
-            let ray = body.ray(place.point, place.normal);
-            stands(body, &ray).into_iter().any(|tip| !self.obstacles.are_cut(body, tip, self.tolerance))
-        })
-    }
-
-    /// The largest depth by which the cutter may cut.
-    #[must_use]
-    pub fn tolerance(&self) -> f64 {
-        self.tolerance
+        self.profiles.iter().any(|profile| Standing::at(self.drop, profile, place, self.tolerance).lift <= self.tolerance)
     }
 }
 
-/// The tips with which the cutter touches the place: one, but for a bottom that is flat about the axis.
-fn stands(body: &Body, ray: &Ray) -> Vec<[f64; 3]> {
-    let tip = |offset: [f64; 3]| std::array::from_fn(|axis| ray.point[axis] + offset[axis]);
-    let mut tips = vec![tip(ray.tip)];
-    let first = body.profile().arcs()[0];
-    let level = ray.normal[0].hypot(ray.normal[1]) < NEARLY_LEVEL;
-    if level && first.from == 0.0 && first.centre_offset > 0.0 {
-        tips.push(tip([0.0, 0.0, ray.tip[2].max(0.0)]));
-        for eighth in 0..8 {
-            let (sin, cos) = (std::f64::consts::FRAC_PI_4 * f64::from(eighth)).sin_cos();
-            for share in [1.0, 0.5] {
-                let offset = share * first.centre_offset;
-                // Over a facet that leans a little, the flat must stand on its higher side.
-                let lean = offset * ray.normal[0].hypot(ray.normal[1]);
-                tips.push(tip([offset * cos, offset * sin, lean]));
-            }
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Under a flat of 2 mm, with a corner of 1 mm.
+    const BULL_NOSE: [f64; 2] = [3.0, 1.0];
+
+    /// A level ledge 1.5 mm wide, whose normal is up, and behind it a convex slope that steepens to 80 deg at its foot; both 40 mm long.
+    fn ledge_below_a_hull() -> DropCutter {
+        let height = |y: f64| if y <= 1.5 { 0.0 } else { 8.0 * (1.0 - ((12.5 - y) / 11.0).powi(2)).max(0.0).sqrt() };
+        let lines: Vec<f64> = (0..=25).map(|line| 0.5 * f64::from(line)).collect();
+        let corner = |x: f64, y: f64| [x, y, height(y)];
+        let facets: Vec<_> = lines
+            .windows(2)
+            .flat_map(|y| {
+                let [a, b, c, d] = [corner(0.0, y[0]), corner(40.0, y[0]), corner(40.0, y[1]), corner(0.0, y[1])];
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        DropCutter::new(&facets, &|| false)
+    }
+
+    fn on_the_ledge(y: f64) -> Place {
+        Place { point: [20.0, y, 0.0], normal: [0.0, 0.0, 1.0], facet: 0 }
+    }
+
+    #[test]
+    fn a_ledge_at_the_foot_of_a_steep_hull_is_finished_from_beside_the_part() {
+        let drop = ledge_below_a_hull();
+        let profile = Profile::torus(BULL_NOSE[0], BULL_NOSE[1]);
+        for y in [0.05, 0.2, 0.4] {
+            let standing = Standing::at(&drop, &profile, &on_the_ledge(y), 0.01);
+            assert!(standing.lift <= 0.01, "{y}: {standing:?}");
+            assert!(standing.axis[1] < 0.0 && standing.axis[1] >= y - 2.0, "{y}: {standing:?}");
+        }
+        // The corner of the cutter, 1 mm wide, stands between the flat and the hull.
+        let standing = Standing::at(&drop, &profile, &on_the_ledge(1.2), 0.01);
+        assert!(standing.lift > 0.01, "{standing:?}");
+    }
+
+    #[test]
+    fn a_flat_end_stands_beside_a_wall_as_far_as_it_is_wide() {
+        let wall = |x: f64, z: f64| [[x, 0.0, z], [x, 40.0, z]];
+        let [[a, b], [c, d], [e, f], [g, h]] = [wall(0.0, 0.0), wall(20.0, 0.0), wall(20.0, 5.0), wall(40.0, 5.0)];
+        let drop = DropCutter::new(&[[a, c, b], [b, c, d], [c, e, d], [d, e, f], [e, g, f], [f, g, h]], &|| false);
+        let profile = Profile::torus(3.0, 0.0);
+        for x in [14.0, 17.5, 19.0, 19.99] {
+            let place = Place { point: [x, 20.0, 0.0], normal: [0.0, 0.0, 1.0], facet: 0 };
+            let standing = Standing::at(&drop, &profile, &place, 0.01);
+            assert!(standing.lift <= 0.01 && standing.axis[0] <= 17.0 && standing.axis[0] >= x - 3.0, "{x}: {standing:?}");
         }
     }
-    tips
-}
-
-fn least(corners: [[f64; 3]; 3]) -> [f64; 2] {
-    [0, 1].map(|axis| corners.iter().fold(f64::INFINITY, |least, corner| least.min(corner[axis])))
-}
-
-fn greatest(corners: [[f64; 3]; 3]) -> [f64; 2] {
-    [0, 1].map(|axis| corners.iter().fold(f64::NEG_INFINITY, |most, corner| most.max(corner[axis])))
-}
-
-fn cells_of([left, right, low, high]: [usize; 4], columns: usize) -> impl Iterator<Item = usize> {
-    (low..=high).flat_map(move |row| (left..=right).map(move |column| row * columns + column))
 }

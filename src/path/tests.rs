@@ -296,9 +296,10 @@ fn the_finish_of_a_stepped_plate_is_that_of_its_geometry() {
     let milled = milled(&Profile::torus(radius, radius), &moves);
     let places = Places::draw(&mesh, &level_facets(&mesh), 40_000, 1);
     assert_relative_eq!(places.area(), 900.0, epsilon = 1e-9);
-    let obstacles = Obstacles::new(&mesh);
+    let drop = DropCutter::of_mesh(&mesh, &|| false);
     let tolerance = 0.011;
-    let reach = Reach::new(&Profile::torus(radius, radius), &obstacles, &places, tolerance);
+    let profiles = [Profile::torus(radius, radius)];
+    let reach = Reach::new(&profiles, &drop, &places, tolerance);
     let finish = Finish::new(&milled, &mesh, &places, &reach, tolerance, &|| false).unwrap();
     let ridge = radius - (radius * radius - step_over * step_over / 4.0).sqrt();
     // Up to the ball's centre at 2 mm from the wall all can be reached; nearer, the ball touches the wall first. A strip of
@@ -326,8 +327,9 @@ fn the_deepest_gouge_is_at_the_edge_that_a_chord_cuts_off() {
     let profile = Profile::torus(3.0, 3.0);
     let milled = milled(&profile, &moves);
     let places = Places::draw(&mesh, &level_facets(&mesh), 2000, 3);
-    let obstacles = Obstacles::new(&mesh);
-    let reach = Reach::new(&profile, &obstacles, &places, 0.01);
+    let drop = DropCutter::of_mesh(&mesh, &|| false);
+    let profiles = [profile];
+    let reach = Reach::new(&profiles, &drop, &places, 0.01);
     let finish = Finish::new(&milled, &mesh, &places, &reach, 0.01, &|| false).unwrap();
     let gouge = finish.gouge.unwrap();
     // The ball's centre passes on a line that falls by 0.05 per mm, 2.9 mm over the edge at x = 15.
@@ -340,9 +342,10 @@ fn the_deepest_gouge_is_at_the_edge_that_a_chord_cuts_off() {
 fn a_stopped_computation_has_no_result() {
     let mesh = step_in_a_plate();
     let places = Places::draw(&mesh, &level_facets(&mesh), 1000, 3);
-    let obstacles = Obstacles::new(&mesh);
+    let drop = DropCutter::of_mesh(&mesh, &|| false);
     let profile = Profile::torus(3.0, 3.0);
-    let reach = Reach::new(&profile, &obstacles, &places, 0.01);
+    let profiles = [profile];
+    let reach = Reach::new(&profiles, &drop, &places, 0.01);
     assert!(Milled::new(&profile, &[], &|| true).is_none());
     assert!(Finish::new(&milled(&profile, &[]), &mesh, &places, &reach, 0.01, &|| true).is_none());
     let nothing = Finish::new(&milled(&profile, &[]), &mesh, &places, &reach, 0.01, &|| false).unwrap();

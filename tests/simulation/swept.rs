@@ -49,18 +49,33 @@ impl Solid {
 
     /// The signed distance in mm of a point, relative to the tip, to the solid: negative inside. It is a convex function: that of
     /// the tangent plane that the point is farthest over.
-    pub(crate) fn distance(&self, [x, y, z]: [f64; 3]) -> f64 {
-        let rho = x.hypot(y);
-        let over = |arc: &Arc| {
+    pub(crate) fn distance(&self, point: [f64; 3]) -> f64 {
+        self.distance_and_normal(point).0
+    }
+
+    /// The signed distance, and the normal of that tangent plane.
+    fn distance_and_normal(&self, [x, y, z]: [f64; 3]) -> (f64, [f64; 3]) {
+        let rho = (x * x + y * y).sqrt();
+        let (mut most, mut meridian) = (f64::NEG_INFINITY, [0.0; 2]);
+        for arc in &self.arcs {
             let from_centre = [rho - arc.centre[0], z - arc.centre[1]];
             let along = |normal: [f64; 2]| normal[0] * from_centre[0] + normal[1] * from_centre[1];
             let turn = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
             let [first, last] = arc.normals;
             let is_between = turn(first, from_centre) >= 0.0 && turn(from_centre, last) >= 0.0;
-            let farthest = if is_between { from_centre[0].hypot(from_centre[1]) } else { along(first).max(along(last)) };
-            farthest - arc.radius
-        };
-        self.arcs.iter().map(over).fold(f64::NEG_INFINITY, f64::max)
+            let length = (from_centre[0] * from_centre[0] + from_centre[1] * from_centre[1]).sqrt();
+            let (farthest, normal) = if is_between && length > 0.0 {
+                (length, from_centre.map(|part| part / length))
+            } else {
+                [first, last].map(|normal| (along(normal), normal)).into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+            };
+            if farthest - arc.radius > most {
+                (most, meridian) = (farthest - arc.radius, normal);
+            }
+        }
+        let [across, up] = meridian;
+        let of_rho = if rho > 0.0 { across / rho } else { 0.0 };
+        (most, [of_rho * x, of_rho * y, up])
     }
 
     /// The distance from the axis and the height over the tip of the point whose normal has this angle from straight down.
@@ -69,34 +84,38 @@ impl Solid {
         [arc.centre[0] + arc.radius * angle.sin(), arc.centre[1] - arc.radius * angle.cos()]
     }
 
-    /// The distance of a point from the solid that the cutter sweeps from one tip to another, where it is below `cap`; else `cap`. The distance along the
-    /// move is convex, and changes by no more than the tip moves.
+    /// The distance of a point from the solid that the cutter sweeps from one tip to another, where it is below `cap`; else `cap`.
+    ///
+    /// The distance is convex along the move, and so nowhere under its tangents. Between two tips on both sides of the least one the
+    /// next is where their tangents meet, until what these allow is no less than what is known.
     fn swept_distance(&self, point: [f64; 3], [from, to]: [[f64; 3]; 2], cap: f64) -> f64 {
-        let at = |l: f64| self.distance([0, 1, 2].map(|axis| point[axis] - from[axis] - l * (to[axis] - from[axis])));
-        let length = distance(from, to);
-        let mut least = at(0.5).min(cap);
-        if at(0.5) - 0.5 * length >= least {
+        let along = [0, 1, 2].map(|axis| to[axis] - from[axis]);
+        let at = |l: f64| {
+            let (distance, normal) = self.distance_and_normal([0, 1, 2].map(|axis| point[axis] - from[axis] - l * along[axis]));
+            (l, distance, -(normal[0] * along[0] + normal[1] * along[1] + normal[2] * along[2]))
+        };
+        let middle = at(0.5);
+        let mut least = middle.1.min(cap);
+        let (_, distance, slope) = middle;
+        if distance - 0.5 * slope.abs() >= least {
             return least;
         }
-        least = least.min(at(0.0)).min(at(1.0));
-        let golden = 0.618_033_988_749_895;
-        let (mut low, mut high) = (0.0, 1.0);
-        let (mut a, mut b) = (1.0 - golden, golden);
-        let (mut at_a, mut at_b) = (at(a), at(b));
+        let end = at(if slope > 0.0 { 0.0 } else { 1.0 });
+        least = least.min(end.1);
+        let [mut before, mut after] = if slope > 0.0 { [end, middle] } else { [middle, end] };
         for _ in 0..40 {
-            least = least.min(at_a).min(at_b);
-            if at_a.min(at_b) - (high - low) * length >= least - 1e-7 || (high - low) * length < 1e-7 {
+            if before.2 >= 0.0 || after.2 <= 0.0 {
                 break;
             }
-            if at_a < at_b {
-                (high, b, at_b) = (b, a, at_a);
-                a = high - golden * (high - low);
-                at_a = at(a);
-            } else {
-                (low, a, at_a) = (a, b, at_b);
-                b = low + golden * (high - low);
-                at_b = at(b);
+            let width = after.0 - before.0;
+            // before.1 + before.2 l = after.1 - after.2 (width - l)
+            let meet = ((after.1 - before.1 - after.2 * width) / (before.2 - after.2)).clamp(0.0, width);
+            if before.1 + before.2 * meet >= least - 1e-7 {
+                break;
             }
+            let next = at(before.0 + meet.clamp(0.05 * width, 0.95 * width));
+            least = least.min(next.1);
+            if next.2 > 0.0 { after = next } else { before = next }
         }
         least
     }
@@ -157,7 +176,10 @@ impl Swept {
         for row in rows {
             let from = row * self.cells[0];
             for piece in columns.clone().flat_map(|column| &self.pieces[self.starts[from + column]..self.starts[from + column + 1]]) {
-                least = least.min(self.cutter.swept_distance(point, *piece, least));
+                // The cutter is over its tip.
+                if piece[0][2].min(piece[1][2]) - point[2] < least {
+                    least = least.min(self.cutter.swept_distance(point, *piece, least));
+                }
             }
         }
         least

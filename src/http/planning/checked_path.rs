@@ -21,7 +21,7 @@ use crate::motion;
 use crate::numerics::vector::{difference, length};
 use crate::path::program::{Dialect, with_feeds};
 use crate::path::{
-    Finding, FindingKind, Finish, Left, Milled, Move, MoveKind, Obstacles, Passage, PathLengths, Place, Places, Reach, findings,
+    DropCutter, Finding, FindingKind, Finish, Left, Milled, Move, MoveKind, Passage, PathLengths, Place, Places, Reach, findings,
     idle_length,
 };
 use crate::planning::machined_surface::{NoMachinedSurface, Stop, hidden_area_share};
@@ -213,8 +213,8 @@ impl PathToCheck {
         let lengths = PathLengths::new(&moves, &rates, &self.machine);
         let milled = Milled::by_several(&profiles, |at| self.cutters.index(program.points[points[at]].tool), &moves, stop)?;
         let places = Places::draw(&self.mesh, &self.facets, PLACES, 1);
-        let obstacles = Obstacles::new(&self.mesh);
-        let reach = Reach::of_several(&profiles, &obstacles, &places, tolerance);
+        let drop = DropCutter::of_mesh(&self.mesh, stop);
+        let reach = Reach::new(&profiles, &drop, &places, tolerance);
         let finish = Finish::new(&milled, &self.mesh, &places, &reach, tolerance, stop)?;
         let fewer: Vec<Place> = places.inside().iter().step_by(FEWER).copied().collect();
         let idle_length_mm = idle_length(&milled, &moves, &fewer, IDLE * tolerance, stop)?;

@@ -1,12 +1,12 @@
 //! The contacts of a batch: an array of objects, or an object of columns.
 
-use super::batch_contact::{BatchContact, batch_contact_schemas};
-use super::contact_object;
+use super::contact_object::{self, StatedContact};
 use super::contact_parameters::{ContactParameters, StatedParameters};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{AnyMember, Columns, Components, Faulted, Faults, JsonPath, Object, describe, items};
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, OneOfBuilder};
+use utoipa::openapi::{RefOr, Schema};
 
 /// Contacts that are not read yet. Faults of a contact are found when it is read.
 pub(crate) enum Contacts<'a> {
@@ -99,4 +99,33 @@ impl<'a> Contacts<'a> {
 /// The columns of contacts with the parameters that `stated` allows.
 fn known(stated: StatedParameters) -> impl Iterator<Item = &'static dyn AnyMember> {
     contact_object::members().chain(stated.members().map(|declared| declared.member))
+}
+
+/// A contact and its own parameters.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BatchContact {
+    pub(crate) contact: StatedContact,
+    pub(crate) parameters: ContactParameters,
+}
+
+impl BatchContact {
+    /// Reads a contact whose own parameters override `defaults`. `faults` has no faults but those of this contact.
+    fn read(mut object: Object<'_, '_>, defaults: &ContactParameters, faults: &mut Faults) -> Result<Self, Faulted> {
+        let path = object.path();
+        let contact = contact_object::read(&mut object, faults);
+        let parameters = ContactParameters::read(&mut object, defaults.stated, faults).or(defaults);
+        object.close(faults)?;
+        parameters.step_over(&path, faults)?;
+        // The faults of the defaults are recorded with the request. A contact fails because of them only if it uses
+        // them.
+        if faults.is_empty() { Ok(Self { contact: contact?, parameters }) } else { Err(Faulted) }
+    }
+}
+
+/// The schema of a contact with the parameters that `stated` allows.
+fn batch_contact_schemas(stated: StatedParameters, components: &mut Components) -> RefOr<Schema> {
+    let names = ["AngleContact", "VectorContact"].map(|form| stated.name(form));
+    contact_object::forms(names.each_ref().map(String::as_str), "A contact with its own parameters", components, &|schema| {
+        schema.with_members(stated.members())
+    })
 }

@@ -2,13 +2,12 @@
 
 use super::curvature_object::{CurvatureMembers, SURFACE_RADIUS, StatedCurvature};
 use super::cutter_object::{AnyCutter, StatedCutter};
-use super::feed::{Feed, FeedMembers};
 use super::model_member::MODEL;
 use super::runout_object::RunoutObject;
-use super::step_over_member::{self, StepOverMembers};
-use crate::http::reading::{Choice, Declared, Faulted, Faults, JsonPath, Member, Members, Object, Quantity, members};
+use crate::http::codes::RequestFault;
+use crate::http::reading::{Choice, Declared, Faulted, Faults, JsonPath, Member, Members, Object, Quantity, at_most_one, members};
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
-use crate::quantity::Length;
+use crate::quantity::{Length, OutOfRange};
 
 /// The tolerance of the calculations that have one.
 pub(crate) const TOLERANCE: Member<Quantity<Length>> =
@@ -76,7 +75,7 @@ impl ContactParameters {
     /// The step-over; a missing one is a fault if the request must state it.
     pub(crate) fn step_over(&self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
         match self.step_over? {
-            None if self.stated.step_over => Err(step_over_member::missing(path, faults)),
+            None if self.stated.step_over => Err(missing_step_over(path, faults)),
             step_over => Ok(step_over),
         }
     }
@@ -97,7 +96,7 @@ impl ContactParameters {
 
     /// The member that states the step-over.
     pub(crate) fn step_over_member(&self) -> &'static str {
-        step_over_member::member_of(self.step_over.ok().flatten())
+        member_of(self.step_over.ok().flatten())
     }
 }
 
@@ -118,5 +117,70 @@ impl StatedParameters {
         let step_over = if self.step_over { StepOverMembers::DECLARED } else { &[] };
         let feed = if self.feed_per_tooth { FeedMembers::DECLARED } else { &[] };
         step_over.iter().chain(feed).chain(CurvatureMembers::DECLARED)
+    }
+}
+
+members! {
+    /// The members for the step-over, of which at most one may be given.
+    struct StepOverMembers {
+        along_surface: optional STEP_OVER: Quantity<Length> = ("step_over_mm", Quantity::length(0.687),
+            "step-over s along the surface, perpendicular to the feed; or give step_over_xy_mm"),
+        seen_from_above: optional STEP_OVER_XY: Quantity<Length> = ("step_over_xy_mm", Quantity::length(0.65),
+            "step-over d between parallel vertical planes, seen from above; or give step_over_mm"),
+    }
+}
+
+impl StepOverMembers {
+    /// The step-over, if one is given.
+    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Option<StepOver>, Faulted> {
+        let along_surface = self.along_surface.map(|stated| stated.map(StepOver::AlongSurface));
+        let seen_from_above = self.seen_from_above.map(|stated| stated.map(StepOver::SeenFromAbove));
+        at_most_one(along_surface, seen_from_above).unwrap_or_else(|| {
+            let detail = "give step_over_mm or step_over_xy_mm, not both";
+            Err(faults.add(&path.member(STEP_OVER_XY.name), RequestFault::ConflictingFields, detail))
+        })
+    }
+}
+
+/// Records the fault of a missing step-over.
+fn missing_step_over(path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
+    let detail = "give step_over_mm (along the surface) or step_over_xy_mm (seen from above)";
+    faults.add(&path.member(STEP_OVER.name), RequestFault::MissingField, detail)
+}
+
+/// The member in which a step-over was given.
+fn member_of(step_over: Option<StepOver>) -> &'static str {
+    match step_over {
+        Some(StepOver::SeenFromAbove(_)) => STEP_OVER_XY.name,
+        Some(StepOver::AlongSurface(_)) | None => STEP_OVER.name,
+    }
+}
+
+members! {
+    /// The feed per tooth.
+    pub(super) struct FeedMembers {
+        feed_per_tooth: optional FEED_PER_TOOTH: Quantity<Feed> = ("feed_per_tooth_mm", Quantity::new(Feed::from_mm, 0.3).down_to(0.0, "; or 0 for no tooth marks"),
+            "feed per tooth f_z, at least 1e-6; 0 or absent = no tooth marks"),
+    }
+}
+
+/// A stated feed per tooth. 0 means no tooth marks and overrides the default.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Feed {
+    NoMarks,
+    PerTooth(Length),
+}
+
+impl Feed {
+    fn from_mm(feed: f64) -> Result<Self, OutOfRange> {
+        if feed == 0.0 { Ok(Self::NoMarks) } else { Length::from_mm(feed).map(Self::PerTooth) }
+    }
+
+    /// The feed per tooth; `None` without tooth marks.
+    fn per_tooth(self) -> Option<Length> {
+        match self {
+            Self::PerTooth(length) => Some(length),
+            Self::NoMarks => None,
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The figures of the calculations' answers. A table has a row for each, with name, description and getter; single
 //! answers, columns of batches and their schemas are built from it.
 
-use super::envelope_check::Check;
+use super::answer;
 use crate::http::reading::Components;
 use crate::milling::{Contact, EvaluatedPass, ModelWarning, NoAnswer, ScallopHeight, ra_um};
 use crate::quantity::Length;
@@ -284,5 +284,17 @@ impl Figure {
                 list.max_items(Some(MOST_WORDS)).description(about).into()
             }
         }
+    }
+}
+
+answer! {
+    /// The comparison of the analytic height with the envelope's.
+    #[derive(Clone, Copy)]
+    pub(crate) struct Check {
+        /// The height by the cutter's exact shape (model `envelope`).
+        pub(crate) envelope_scallop_height_mm: f64 [minimum = 0],
+        /// (height - envelope) / envelope: negative if the model's height is less than the cutter leaves. Absent if the
+        /// envelope's height is 0.
+        pub(crate) deviation?: f64 [minimum = -1],
     }
 }

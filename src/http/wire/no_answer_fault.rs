@@ -1,8 +1,8 @@
 //! Converts the reason why a pass has no answer to a fault of the request, with its member, code and figures.
 
 use super::contact_object::{CONTACT, StatedContact};
+use super::contact_parameters::FEED_PER_TOOTH;
 use super::contact_parameters::{CUTTER, ContactParameters, RUNOUT, TOLERANCE};
-use super::feed::FEED_PER_TOOTH;
 use crate::http::reading::{Fault, JsonPath};
 use crate::milling::NoAnswer;
 

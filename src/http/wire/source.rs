@@ -1,9 +1,8 @@
 //! A received surface with its format, its unit, and the warnings of its reader.
 
 use super::Warning;
-use super::unit_member::UNIT;
 use crate::http::codes::{RequestFault, WarningCode, same_names};
-use crate::http::reading::{Faulted, Faults, JsonPath};
+use crate::http::reading::{Choice, Faulted, Faults, JsonPath, Member};
 use crate::surface::read::{FarOutside, Format, Notes, ReadSummary};
 use crate::surface::{Basis, ReceivedSurface, Shape, Unit};
 use serde::Serialize;
@@ -153,3 +152,20 @@ fn far_outside(far: FarOutside) -> String {
 fn counted(count: u64, code: WarningCode, what: &str) -> Option<Warning> {
     (count > 0).then(|| Warning::new(code, format!("{count} {what}")))
 }
+
+/// The member `unit` of a recommendation.
+pub(crate) const UNIT: Member<Choice<Unit>> = Member::new(
+    "unit",
+    "the unit of the surface's coordinates; absent = the one that the file states, otherwise mm",
+    Choice {
+        name: Some("Unit"),
+        words: &[
+            ("mm", Unit::Millimetre),
+            ("cm", Unit::Centimetre),
+            ("m", Unit::Metre),
+            ("inch", Unit::Inch),
+            ("um", Unit::Micrometre),
+            ("foot", Unit::Foot),
+        ],
+    },
+);

@@ -144,6 +144,29 @@ pub(crate) fn holes() -> Vec<Facet> {
     facets
 }
 
+/// A round pocket, 5 mm deep, in a plate, with walls of 80 deg of so few facets that these are some 4 um off the cone.
+pub(crate) fn round_pocket() -> Vec<Facet> {
+    let count = 96;
+    let turned = |index: u32| (std::f64::consts::TAU * f64::from(index) / f64::from(count)).sin_cos();
+    let rim = |index: u32, radius: f64, z: f64| {
+        let (sin, cos) = turned(index);
+        [12.0 + radius * cos, 12.0 + radius * sin, z]
+    };
+    let on_square = |index: u32| {
+        let (sin, cos) = turned(index);
+        rim(index, 12.0 / f64::max(sin.abs(), cos.abs()), 0.0)
+    };
+    let (floor, depth) = (7.0, 5.0);
+    let mouth = floor + depth / 80_f64.to_radians().tan();
+    let between = |[a, b]: [u32; 2]| {
+        let wall = quadrilateral([rim(a, floor, -depth), rim(a, mouth, 0.0), rim(b, mouth, 0.0), rim(b, floor, -depth)]);
+        let plate = quadrilateral([rim(a, mouth, 0.0), on_square(a), on_square(b), rim(b, mouth, 0.0)]);
+        let floor = [[12.0, 12.0, -depth], rim(a, floor, -depth), rim(b, floor, -depth)];
+        wall.into_iter().chain(plate).chain([floor])
+    };
+    (0..count).map(|index| [index, (index + 1) % count]).flat_map(between).collect()
+}
+
 /// A profile of straight lines along x, each point with its height, over a width of `width` mm along y.
 pub(crate) fn profile(points: &[[f64; 2]], width: f64) -> Vec<Facet> {
     let quad = |pair: &[[f64; 2]]| {
