@@ -289,8 +289,12 @@ impl<F: Fn([f64; 2]) -> Option<Tip> + Sync> Tracer<'_, F> {
                     }
                 }
                 (None, _) => return Verdict::Remove,
-                // Inside, and farther from the border than it is long.
-                (Some(_), None) => {}
+                // Inside, and farther from the border than it is long: there the chord follows the tips' surface.
+                (Some(_), None) => {
+                    if let Some(tip) = here.filter(|tip| (tip.position[2] - z).abs() > near) {
+                        return Verdict::Split(tip);
+                    }
+                }
             }
         }
         Verdict::Keep

@@ -213,3 +213,17 @@ fn a_line_to_the_foot_ends_on_it() {
     let line = tips_between(&drop, &flat, [0.0, 0.0], [12.0, 0.0], &Sampling::fine(&flat, TOLERANCE), None);
     assert!((line[1].position[0] - 8.0).abs() < 1e-4);
 }
+
+#[test]
+fn a_chord_over_the_inside_follows_a_step_of_the_tips_surface() {
+    let inside = |[x, y]: [f64; 2]| Some(Tip { position: [x, y, if x < 0.3 { 1.0 } else { 0.0 }], touch: None });
+    let tracer = Tracer { raster: Raster::of(&square(2.0, 1.0)), inside: &inside, tolerance: TOLERANCE, stop: &|| false };
+    let [a, b] = [0.0, 1.0].map(|x| inside([x, 0.0]).unwrap());
+    let mut through = vec![Some(a)];
+    tracer.refine(&a, b, MOST_SPLITS, &mut through);
+    let tips: Vec<Tip> = through.into_iter().flatten().collect();
+    let steps: Vec<_> = tips.windows(2).filter(|pair| (pair[0].position[2] - pair[1].position[2]).abs() > 0.5).collect();
+    assert_eq!(steps.len(), 1, "{tips:?}");
+    assert!(steps[0][0].position[0] < 0.3 && distance(&steps[0][0], &steps[0][1]) <= 0.1 * TOLERANCE, "{steps:?}");
+    assert_abs_diff_eq!(tips.last().unwrap().position[0], 1.0);
+}
