@@ -117,7 +117,7 @@ impl Profile {
 
     /// The profile with its outer radius larger by `extra` in mm: a flat is wider and all else stays; if the tip is round,
     /// the profile is the parallel one at the distance `extra`, whose tip is at 0 again.
-    pub(super) fn widened(&self, extra: f64) -> Self {
+    pub(crate) fn widened(&self, extra: f64) -> Self {
         let has_flat = self.arcs[0].centre_offset > 0.0;
         let widen = |arc: ProfileArc| {
             if has_flat {

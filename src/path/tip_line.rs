@@ -3,6 +3,7 @@
 use super::drop_cutter::{DropCutter, Touch};
 use crate::milling::Profile;
 use nalgebra::Vector3;
+use std::cell::Cell;
 
 /// The shortest distance between two samples in mm. A part of the line this short over which the height changes by more
 /// than the tolerance is a vertical step.
@@ -10,6 +11,9 @@ const SHORTEST: f64 = 1e-4;
 
 /// The share of the chord tolerance for what chords between samples miss; the other half is for leaving samples out.
 const SAMPLING_SHARE: f64 = 0.5;
+
+/// The share of the radius within which a corner is surely under the flat.
+const ROUNDING: f64 = 1e-9;
 
 /// A position of the tip.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +44,8 @@ impl Tip {
 /// **Samples.** Whatever the cutter touches, T bends downwards over it no more sharply than the cutter's own profile. Over a
 /// feature between two samples at the distance d, which neither touches, T is therefore at most d^2/(8 r cos phi) over the
 /// chord, with r the smallest radius of the profile and phi the slope of the contact: at most the tolerance up to 75 deg for
-/// d = sqrt(2 r tolerance). Between samples T is compared with its tangents at both, which the contacts' normals give: where
+/// d = sqrt(2 r tolerance). A flat end has no such radius: the corners of facets that its edge passes between two samples are sought
+/// one by one. Between samples T is compared with its tangents at both, which the contacts' normals give: where
 /// it bends one way it is between chord and tangents.
 #[must_use]
 pub fn tips_between(
@@ -62,6 +67,8 @@ pub struct Sampling {
     pub chord_tolerance: f64,
     /// The distance in mm between samples from which refinement starts.
     pub step: f64,
+    /// Whether the corners of facets that the edge of a flat end passes between two samples are sought.
+    pub seeks_corners: bool,
 }
 
 impl Sampling {
@@ -75,13 +82,14 @@ impl Sampling {
             Some(r) => (8.0 * r * chord_tolerance).sqrt().clamp(radius / 25.0, radius / 5.0),
             None => radius / 20.0,
         };
-        Self { chord_tolerance, step }
+        Self { chord_tolerance, step, seeks_corners: profile.arcs().iter().all(|arc| arc.radius <= 0.0) }
     }
 
     /// A tenth of the radius apart, for a first look: edges of the part between two samples can be missed.
     #[must_use]
     pub fn coarse(profile: &Profile, chord_tolerance: f64) -> Self {
-        Self { chord_tolerance, step: (profile.outer_radius() / 10.0).max(Self::fine(profile, chord_tolerance).step) }
+        let step = (profile.outer_radius() / 10.0).max(Self::fine(profile, chord_tolerance).step);
+        Self { chord_tolerance, step, seeks_corners: false }
     }
 }
 
@@ -147,6 +155,13 @@ impl<'a> Line<'a> {
             // `last` and the end of `ahead` bound the next part of the line; the others wait in reverse order.
             while let Some(next) = ahead.last().copied() {
                 let is_fine = Self::keeps(&last, &next, SAMPLING_SHARE * tolerance);
+                if is_fine
+                    && sampling.seeks_corners
+                    && let Some(s) = self.passed_corner(&last, &next, SAMPLING_SHARE * tolerance)
+                {
+                    ahead.push(self.sample(s, Some(&last)));
+                    continue;
+                }
                 if !is_fine && next.s - last.s > SHORTEST {
                     ahead.push(self.sample(0.5 * (last.s + next.s), Some(&last)));
                     continue;
@@ -164,6 +179,36 @@ impl<'a> Line<'a> {
             }
         }
         tips
+    }
+
+    /// Where the edge of a flat end passes a facet's corner that stands over the chord between two samples, seen by neither: the place
+    /// at which the corner is last under the flat. Of several, the one at the highest corner over the chord.
+    fn passed_corner(&self, a: &Sample, b: &Sample, tolerance: f64) -> Option<f64> {
+        let (Some([from, _]), Some([to, _])) = (a.height, b.height) else { return None };
+        if (to - from).abs() <= tolerance {
+            return None;
+        }
+        let (middle, half) = (0.5 * (a.s + b.s), 0.5 * (b.s - a.s));
+        let [x, y] = self.place(middle);
+        let radius = self.profile.outer_radius();
+        let highest = Cell::new((tolerance, None));
+        let look_at = |corner: &[f64; 3]| {
+            let out = [corner[0] - self.start[0], corner[1] - self.start[1]];
+            let along = out[0] * self.direction[0] + out[1] * self.direction[1];
+            let across = out[1] * self.direction[0] - out[0] * self.direction[1];
+            let under = ((radius - across) * (radius + across)).max(0.0).sqrt() * (1.0 - ROUNDING);
+            for s in [along - under, along + under] {
+                let over = corner[2] - from - (to - from) * (s - a.s) / (b.s - a.s);
+                if a.s < s && s < b.s && over > highest.get().0 {
+                    highest.set((over, Some(s)));
+                }
+            }
+        };
+        self.drop.any_over(&self.profile.widened(half), [x, y, from.min(to) + tolerance], |corners| {
+            corners.iter().for_each(look_at);
+            false
+        });
+        highest.get().1
     }
 
     fn tip(&self, sample: &Sample) -> Option<Tip> {

@@ -158,3 +158,25 @@ fn beyond_the_part_the_tip_is_on_the_floor_or_nowhere() {
     assert_eq!(with.iter().map(|tip| tip.position[2]).collect::<Vec<_>>(), [0.0, 0.0, 2.0, 2.0, 0.0, 0.0]);
     assert_eq!(tips_between(&drop, &flat, [10.0, 0.0], [20.0, 0.0], &Sampling::fine(&flat, TOLERANCE), None), []);
 }
+
+#[test]
+fn a_flat_end_clears_a_corner_that_its_edge_passes_between_two_samples() {
+    // Down a plane, beside which a corner is under the edge of the flat for 0.15 mm, over the tip for the last 0.1 of them.
+    let plane = |x: f64, y: f64| [x, y, -0.2 * x];
+    let [a, b, c, d] = [plane(-20.0, -9.0), plane(20.0, -9.0), plane(20.0, 9.0), plane(-20.0, 9.0)];
+    let corner = [0.0, 2.999, 0.604];
+    let drop = DropCutter::new(&[[a, b, c], [a, c, d], [[0.01, 3.1, 0.0], corner, [-0.01, 3.1, 0.0]]], &|| false);
+    let flat = Profile::torus(3.0, 0.0);
+    let fine = Sampling::fine(&flat, TOLERANCE);
+    let height_of_chords_at = |at: f64, sampling: &Sampling| {
+        let tips = tips_between(&drop, &flat, [-6.06, 0.0], [5.94, 0.0], sampling, None);
+        let next = tips.iter().position(|tip| tip.position[0] > at).unwrap();
+        let [[x0, _, z0], [x1, _, z1]] = [tips[next - 1].position, tips[next].position];
+        z0 + (z1 - z0) * (at - x0) / (x1 - x0)
+    };
+    let at = 0.07;
+    assert_abs_diff_eq!(drop.drop(&flat, at, 0.0, None).unwrap().height, corner[2]);
+    assert_abs_diff_eq!(height_of_chords_at(at, &fine), corner[2], epsilon = TOLERANCE);
+    let unsought = height_of_chords_at(at, &Sampling { seeks_corners: false, ..fine });
+    assert!(unsought < corner[2] - 2.0 * TOLERANCE, "{unsought}");
+}
