@@ -129,8 +129,11 @@ async fn the_passes_of_a_plan_leave_what_the_plan_states() {
     // What the cutter cannot reach.
     let beyond = figure(&check, "/over_tolerance_share") - figure(&check, "/reachable_over_tolerance_share");
     assert!((beyond - figure(candidate, "/uncut_share")).abs() < 0.01, "{beyond}: {candidate:#}");
+    // The median over everything is a higher percentile of what the cutter can reach, which is left lower than the rest.
+    let [p50, p90] = ["/scallop_height_mm/p50", "/scallop_height_mm/p90"].map(|percentile| figure(candidate, percentile));
+    let expected = p50 + (0.5 / (1.0 - figure(candidate, "/uncut_share")) - 0.5) / 0.4 * (p90 - p50);
     let median = figure(&check, "/residual_mm/p50");
-    assert!((median / figure(candidate, "/scallop_height_mm/p50") - 1.0).abs() < 0.05, "{median}: {candidate:#}");
+    assert!((median / expected - 1.0).abs() < 0.03, "{median}: {candidate:#}");
     assert!(figure(&check, "/gouge/depth_mm") < 0.004 && figure(&check, "/gouge/rapid_depth_mm") < 1e-9);
 }
 
