@@ -196,7 +196,10 @@ impl<'a> Line<'a> {
             let out = [corner[0] - self.start[0], corner[1] - self.start[1]];
             let along = out[0] * self.direction[0] + out[1] * self.direction[1];
             let across = out[1] * self.direction[0] - out[0] * self.direction[1];
-            let under = ((radius - across) * (radius + across)).max(0.0).sqrt() * (1.0 - ROUNDING);
+            if across.abs() >= radius {
+                return;
+            }
+            let under = ((radius - across) * (radius + across)).sqrt() * (1.0 - ROUNDING);
             for s in [along - under, along + under] {
                 let over = corner[2] - from - (to - from) * (s - a.s) / (b.s - a.s);
                 if a.s < s && s < b.s && over > highest.get().0 {
