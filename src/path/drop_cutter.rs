@@ -199,18 +199,18 @@ impl DropCutter {
         highest.height.is_finite().then(|| self.touch(&query, &highest))
     }
 
-    /// Whether `is_met` holds for the corners of a facet that holds a tip at this place up. Some facets that do not may be asked for.
-    pub(super) fn any_over(&self, profile: &Profile, [x, y, z]: [f64; 3], is_met: impl Fn(&[[f64; 3]; 3]) -> bool) -> bool {
+    /// Calls `each` with the corners of every facet that lifts the cutter over a tip, until it returns false. Some facets that do not lift
+    /// it are among them.
+    pub(super) fn each_over(&self, profile: &Profile, [x, y, z]: [f64; 3], mut each: impl FnMut(&[[f64; 3]; 3]) -> bool) {
         let query = Query::of(profile, [x, y]);
         let mut highest = Highest { height: z, ..Highest::NONE };
-        let ask = |place: usize, highest: &mut Highest| {
-            if is_met(&self.corners[place]) {
+        let meet = |place: usize, highest: &mut Highest| {
+            if highest.height.is_finite() && !each(&self.corners[place]) {
                 // No facet is higher: the search ends.
                 highest.height = f64::INFINITY;
             }
         };
-        self.visit(|node, highest| query.bound(node, highest), ask, &mut highest);
-        highest.height.is_infinite()
+        self.visit(|node, highest| query.bound(node, highest), meet, &mut highest);
     }
 
     /// The height of the highest facet over or under the place (x, y), in mm.

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// The most steps away from what blocks a flat cutter beside a place.
 const MOST_STEPS: usize = 16;
 
-/// The gradient from which on a flat cutter moves off a plane as far as it is steep: on gentler ones it would pass what holds it up.
+/// Off a plane of at least this gradient a flat cutter moves by its lift over the gradient. On gentler ones that step is too long.
 const STEEP: f64 = 1.0;
 
 /// A facet whose normal has a vertical part under this is a wall.
@@ -29,8 +29,8 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// The tip that finishes a place, with the depth in mm to which it may cut other facets. On steep facets a cutter that cuts a
-    /// little is held up by many times as much.
+    /// The tip that finishes a place; `tolerance` is the depth in mm to which it may cut other facets. A cutter that would cut a steep
+    /// facet a little is lifted by many times that depth.
     #[must_use]
     pub fn at(drop: &DropCutter, profile: &Profile, place: &Place, tolerance: f64) -> Self {
         let held_up = Self::held_up(drop, profile, place, tolerance);
@@ -39,7 +39,11 @@ impl Standing {
             return held_up;
         }
         let body = Body::new(profile);
-        let is_blocked = drop.any_over(profile, [x, y, tip + tolerance], |corners| is_cut(&body, [x, y, tip], corners, tolerance));
+        let mut is_blocked = false;
+        drop.each_over(profile, [x, y, tip + tolerance], |corners| {
+            is_blocked = is_cut(&body, [x, y, tip], corners, tolerance);
+            !is_blocked
+        });
         if is_blocked { held_up } else { Self { lift: 0.0, ..held_up } }
     }
 

@@ -3,7 +3,6 @@
 use super::drop_cutter::{DropCutter, Touch};
 use crate::milling::Profile;
 use nalgebra::Vector3;
-use std::cell::Cell;
 
 /// The shortest distance between two samples in mm. A part of the line this short over which the height changes by more
 /// than the tolerance is a vertical step.
@@ -182,7 +181,7 @@ impl<'a> Line<'a> {
     }
 
     /// Where the edge of a flat end passes a facet's corner that stands over the chord between two samples, seen by neither: the place
-    /// at which the corner is last under the flat. Of several, the one at the highest corner over the chord.
+    /// at which the corner is last under the flat. Of several corners, the one that is highest over the chord.
     fn passed_corner(&self, a: &Sample, b: &Sample, tolerance: f64) -> Option<f64> {
         let (Some([from, _]), Some([to, _])) = (a.height, b.height) else { return None };
         if (to - from).abs() <= tolerance {
@@ -191,8 +190,8 @@ impl<'a> Line<'a> {
         let (middle, half) = (0.5 * (a.s + b.s), 0.5 * (b.s - a.s));
         let [x, y] = self.place(middle);
         let radius = self.profile.outer_radius();
-        let highest = Cell::new((tolerance, None));
-        let look_at = |corner: &[f64; 3]| {
+        let (mut highest, mut place) = (tolerance, None);
+        let mut look_at = |corner: &[f64; 3]| {
             let out = [corner[0] - self.start[0], corner[1] - self.start[1]];
             let along = out[0] * self.direction[0] + out[1] * self.direction[1];
             let across = out[1] * self.direction[0] - out[0] * self.direction[1];
@@ -202,16 +201,16 @@ impl<'a> Line<'a> {
             let under = ((radius - across) * (radius + across)).sqrt() * (1.0 - ROUNDING);
             for s in [along - under, along + under] {
                 let over = corner[2] - from - (to - from) * (s - a.s) / (b.s - a.s);
-                if a.s < s && s < b.s && over > highest.get().0 {
-                    highest.set((over, Some(s)));
+                if a.s < s && s < b.s && over > highest {
+                    (highest, place) = (over, Some(s));
                 }
             }
         };
-        self.drop.any_over(&self.profile.widened(half), [x, y, from.min(to) + tolerance], |corners| {
-            corners.iter().for_each(look_at);
-            false
+        self.drop.each_over(&self.profile.widened(half), [x, y, from.min(to) + tolerance], |corners| {
+            corners.iter().for_each(&mut look_at);
+            true
         });
-        highest.get().1
+        place
     }
 
     fn tip(&self, sample: &Sample) -> Option<Tip> {
