@@ -112,7 +112,9 @@ impl Envelope {
         if !is_refusal_likely && is_used_up() {
             return Outcome::Below;
         }
-        let sure = self.search(&self.body).solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess));
+        // Of both bodies the one that leaves more decides.
+        let by_body = self.bodies().map(|body| self.search(body).solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess)));
+        let sure = by_body.reduce(|one, other| if one.is_better(sought, &other) { other } else { one }).unwrap_or(Outcome::Above);
         let start = match sure {
             // Where passes or marks only just overlap, rounding decides.
             Outcome::At(length) if length > largest * JUST_UNDER && excess(largest).is_some_and(|excess| excess <= 0.0) => {

@@ -392,7 +392,7 @@ pub(super) enum Outcome {
 
 impl Outcome {
     /// Whether it is a lower height, or a larger step-over or feed.
-    fn is_better(&self, sought: Sought, other: &Self) -> bool {
+    pub(super) fn is_better(&self, sought: Sought, other: &Self) -> bool {
         let value = |outcome: &Self| match outcome {
             Self::At(length) => *length,
             Self::Above => f64::INFINITY,
