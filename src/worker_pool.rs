@@ -103,9 +103,11 @@ impl WorkerPool {
     }
 
     /// Runs a piece of work of a few milliseconds, without a permit. Pieces run in the order of the calls. Dropping the
-    /// future cancels a piece that has not started.
-    pub async fn run_piece<T: Send + 'static>(&self, piece: impl FnOnce() -> T + Send + 'static) -> T {
-        run_on(&self.0.pieces, (), piece).await
+    /// future cancels the piece.
+    pub async fn run_piece<T: Send + 'static>(&self, piece: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> T {
+        let dropped = CancelOnDrop::default();
+        let cancel = CancelFlag::clone(&dropped);
+        run_on(&self.0.pieces, (), move || piece(&cancel)).await
     }
 
     /// Runs `reading` on a thread that may wait for data; `None` if no thread becomes free within `longest`. Its source

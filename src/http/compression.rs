@@ -103,7 +103,7 @@ async fn compressed(workers: &WorkerPool, mut plain: Bytes) -> Bytes {
     while !plain.is_empty() {
         let chunk = plain.split_to(plain.len().min(CHUNK));
         compressor = workers
-            .run_piece(move || {
+            .run_piece(move |_| {
                 compressor.add(&chunk, || false);
                 compressor
             })

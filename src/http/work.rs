@@ -86,7 +86,7 @@ impl Work {
     }
 
     /// Runs a piece of work of a few milliseconds, without a permit, as [`WorkerPool::run_piece`].
-    pub async fn run_piece<T: Send + 'static>(&self, piece: impl FnOnce() -> T + Send + 'static) -> T {
+    pub async fn run_piece<T: Send + 'static>(&self, piece: impl FnOnce(&CancelFlag) -> T + Send + 'static) -> T {
         self.workers.run_piece(piece).await
     }
 
@@ -132,7 +132,7 @@ mod tests {
     async fn work_runs_on_other_threads_and_returns_its_result() {
         let here = std::thread::current().id();
         assert_ne!(work(1).run(move |_| std::thread::current().id()).await.unwrap(), here);
-        assert_ne!(work(1).run_piece(move || std::thread::current().id()).await, here);
+        assert_ne!(work(1).run_piece(move |_| std::thread::current().id()).await, here);
     }
 
     #[tokio::test]
@@ -141,7 +141,7 @@ mod tests {
         let permit = work.admit(Duration::ZERO).await.unwrap();
         assert_eq!(work.run(|_| ()).await, Err(Overload::Workers));
         // Short pieces need no permit.
-        assert_eq!(work.run_piece(|| 7).await, 7);
+        assert_eq!(work.run_piece(|_| 7).await, 7);
         drop(permit);
         assert_eq!(work.run(|_| 7).await, Ok(7));
     }
@@ -179,6 +179,24 @@ mod tests {
         // The cancellation takes microseconds, but a loaded machine may schedule the thread late.
         assert!(ended - dropped < Duration::from_secs(5), "{:?}", ended - dropped);
         assert!(work.admit(Duration::from_secs(10)).await.is_ok());
+    }
+
+    #[tokio::test]
+    async fn a_piece_of_a_dropped_future_is_cancelled() {
+        let work = work(1);
+        let (begin, begun) = mpsc::channel();
+        let (end, ended) = mpsc::channel();
+        let endless = move |cancel: &CancelFlag| {
+            begin.send(()).unwrap();
+            while !cancel.is_cancelled() {
+                std::thread::yield_now();
+            }
+            end.send(()).unwrap();
+        };
+        let task = tokio::spawn(async move { work.run_piece(endless).await });
+        tokio::task::spawn_blocking(move || begun.recv().unwrap()).await.unwrap();
+        task.abort();
+        tokio::task::spawn_blocking(move || ended.recv_timeout(Duration::from_secs(30)).unwrap()).await.unwrap();
     }
 
     #[tokio::test]

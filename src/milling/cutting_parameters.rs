@@ -123,10 +123,25 @@ impl EvaluatedPass {
     ///   limits bound the feed or the step-over;
     /// - those of [`EvaluatedPass::scallop_height`].
     pub fn fastest(&self, tolerance: Length, limits: &CuttingLimits) -> Result<CuttingParameters, NoAnswer> {
+        self.fastest_until(tolerance, limits, &|| false)
+    }
+
+    /// [`EvaluatedPass::fastest`], which takes dozens of largest step-overs. Once `stop` returns true, the search ends with lengths
+    /// that are none of its answer.
+    ///
+    /// # Errors
+    /// Those of [`EvaluatedPass::fastest`].
+    pub(crate) fn fastest_until(
+        &self,
+        tolerance: Length,
+        limits: &CuttingLimits,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<CuttingParameters, NoAnswer> {
         let smallest = limits.min_step_over.map_or(Length::computed(Length::SMALLEST), |smallest| smallest);
         let largest_feed = self.largest_feed(tolerance, smallest, limits.max_feed_per_tooth)?;
         let step_over = |feed: f64| self.widest(tolerance, Length::computed(feed), limits.max_step_over);
-        let area = |feed: f64| step_over(feed).map_or(0.0, |step_over| step_over.mm() * feed);
+        let area = |feed: f64| if stop() { 0.0 } else { step_over(feed).map_or(0.0, |step_over| step_over.mm() * feed) };
+        let stopped = CuttingParameters { step_over: smallest, feed_per_tooth: largest_feed, limited_by: [None; 4] };
 
         let count = if self.pass().runout == Runout::NONE { PLACES } else { PLACES_WITH_RUNOUT };
         let ratio = FEED_RANGE.powf(-1.0 / f64::from(count - 1));
@@ -135,6 +150,9 @@ impl EvaluatedPass {
         for (place, exponent) in places.iter_mut().zip(0..) {
             let feed = largest_feed.mm() * ratio.powi(exponent);
             *place = (feed, area(feed));
+        }
+        if stop() {
+            return Ok(stopped);
         }
         if places.iter().skip(1).all(|(_, area)| *area <= 0.0) {
             // At the largest feed, rounding decides whether the marks use up the tolerance. At the next feed it does
@@ -162,7 +180,7 @@ impl EvaluatedPass {
             }
         } else {
             // Two maxima can be neighbours, so that the feeds between them do not show the lower end of either.
-            for ends in places.windows(2).filter(|ends| ends[0].1.max(ends[1].1) >= ratio * best_place) {
+            for ends in places.windows(2).filter(|ends| ends[0].1.max(ends[1].1) >= ratio * best_place).take_while(|_| !stop()) {
                 let [(high, of_high), (low, of_low)] = [ends[0], ends[1]];
                 if let Some(jump) = self.jump_of_step_over(tolerance, [(low, of_low), (high, of_high)]) {
                     best = fastest(best, (jump, area(jump)));
@@ -174,6 +192,9 @@ impl EvaluatedPass {
             }
         }
 
+        if stop() {
+            return Ok(stopped);
+        }
         let mut feed_per_tooth = Length::computed(best.0);
         let mut step_over = self.widest(tolerance, feed_per_tooth, limits.max_step_over)?;
         // The largest step-over keeps the tolerance only up to the rounding of its search.
@@ -266,4 +287,29 @@ fn highest(low: f64, high: f64, function: impl Fn(f64) -> f64) -> (f64, f64) {
         }
     }
     if left.1 > right.1 { left } else { right }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::milling::{Contact, Cutter, Model, Pass, SurfaceCurvature};
+    use std::cell::Cell;
+
+    #[test]
+    fn a_stopped_search_asks_for_no_more_step_overs() {
+        let mm = |value: f64| Length::from_mm(value).unwrap();
+        let (cutter, contact) = (Cutter::toroidal(mm(10.0), mm(2.0)).unwrap(), Contact::from_degrees(30.0, 20.0).unwrap());
+        let pass = Pass { cutter, contact, surface: SurfaceCurvature::PLANE, runout: Runout::NONE, teeth: None };
+        let evaluated = EvaluatedPass::new(Model::Envelope, pass).unwrap();
+        let limits = CuttingLimits::new(Some(mm(0.1)), Some(mm(0.01)), None).unwrap();
+        let asked = Cell::new(0);
+        let stop = || {
+            asked.set(asked.get() + 1);
+            asked.get() > 3
+        };
+        let stopped = evaluated.fastest_until(mm(0.01), &limits, &stop).unwrap();
+        assert_eq!(stopped.step_over, mm(0.01));
+        assert!(asked.get() <= 2 + usize::from(PLACES), "{asked:?}");
+        assert!(evaluated.fastest(mm(0.01), &limits).unwrap().step_over > mm(0.1));
+    }
 }

@@ -135,7 +135,7 @@ impl<C: Calculation> Batch<C> {
             for index in (first..end).take_while(|_| !cancel.is_cancelled()) {
                 let path = contacts.path(index, &path);
                 let contact = contacts.read(index, &self.defaults, path, &mut faults);
-                self.take_in(&mut part, &contact, path, &mut faults);
+                self.take_in(&mut part, &contact, path, &mut faults, cancel);
             }
             part
         };
@@ -146,8 +146,15 @@ impl<C: Calculation> Batch<C> {
     /// Adds the next contact to a part: its figures, or its faults if it has no answer. `faults` are empty
     /// afterwards, for the next contact.
     #[inline]
-    fn take_in(&self, part: &mut Part, contact: &Result<BatchContact, Faulted>, path: JsonPath<'_>, faults: &mut Faults) {
-        let is_computed = contact.as_ref().is_ok_and(|contact| self.compute_contact(part, contact, path, faults).is_ok());
+    fn take_in(
+        &self,
+        part: &mut Part,
+        contact: &Result<BatchContact, Faulted>,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+        cancel: &CancelFlag,
+    ) {
+        let is_computed = contact.as_ref().is_ok_and(|contact| self.compute_contact(part, contact, path, faults, cancel).is_ok());
         if !is_computed {
             part.fail(faults.take());
         }
@@ -160,7 +167,14 @@ impl<C: Calculation> Batch<C> {
 
     /// Computes a contact and adds its figures to a part.
     #[inline]
-    fn compute_contact(&self, part: &mut Part, contact: &BatchContact, path: JsonPath<'_>, faults: &mut Faults) -> Result<(), Faulted> {
+    fn compute_contact(
+        &self,
+        part: &mut Part,
+        contact: &BatchContact,
+        path: JsonPath<'_>,
+        faults: &mut Faults,
+        cancel: &CancelFlag,
+    ) -> Result<(), Faulted> {
         let BatchContact { contact, parameters } = contact;
         let step_over = parameters.step_over(&path, faults)?;
         let member = self.calculation.step_over_member(parameters);
@@ -171,7 +185,8 @@ impl<C: Calculation> Batch<C> {
         let evaluated = EvaluatedPass::new(self.shared.model, single::pass(&self.shared, contact, parameters)?);
         let pass = evaluated.as_ref().map_err(|cause| fail(*cause))?;
         let (feed_per_tooth, heights) = (parameters.feed_per_tooth()?, self.selection.heights);
-        let mut computed = self.calculation.compute(&Inputs { shared: &self.shared, pass, step_over, feed_per_tooth, heights });
+        let inputs = Inputs { shared: &self.shared, pass, step_over, feed_per_tooth, heights, cancel };
+        let mut computed = self.calculation.compute(&inputs);
         let figures = computed.as_mut().map_err(|cause| fail(*cause))?;
         if self.selection.is_compared {
             let check = single::compare(pass, figures);

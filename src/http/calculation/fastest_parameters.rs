@@ -108,12 +108,12 @@ impl Calculation for FastestParameters {
         if self.min_step_over.is_some() { MIN_STEP_OVER.name } else { TOLERANCE.name }
     }
 
-    fn compute(&self, &Inputs { shared, pass, .. }: &Inputs<'_>) -> Result<Figures, NoAnswer> {
+    fn compute(&self, &Inputs { shared, pass, cancel, .. }: &Inputs<'_>) -> Result<Figures, NoAnswer> {
         let (per_tooth, by_machine) = (self.feed.per_tooth, self.feed.by_machine(shared));
         let feed_limit = per_tooth.into_iter().chain(by_machine).reduce(|a, b| if b < a { b } else { a });
         let limits = CuttingLimits::new(feed_limit, self.min_step_over, self.max_step_over);
         let limits = limits.unwrap_or_else(|_| unreachable!("the step-overs were compared when the request was read"));
-        let fastest = pass.fastest(self.tolerance, &limits)?;
+        let fastest = pass.fastest_until(self.tolerance, &limits, &|| cancel.is_cancelled())?;
         let mut figures = Figures::at(pass, fastest.step_over, Some(fastest.feed_per_tooth), Heights::Parts, None)?;
         figures.feed_rate_mm_min = self.feed.rate_mm_min(shared, fastest.feed_per_tooth);
         let words = fastest.limited_by().flat_map(|limit| Self::words(limit, per_tooth, by_machine)).flatten();

@@ -23,6 +23,7 @@ use super::examples::examples;
 use super::reading::{Faulted, Faults, Members};
 use super::routes::Routes;
 use super::wire::{ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters};
+use crate::cancellation::CancelFlag;
 use crate::milling::{EvaluatedPass, NoAnswer, StepOver};
 use crate::quantity::Length;
 
@@ -43,6 +44,8 @@ pub(crate) struct Inputs<'a> {
     feed_per_tooth: Option<Length>,
     /// The heights that the figures must have at least.
     heights: Heights,
+    /// The figures of a cancelled calculation are discarded.
+    cancel: &'a CancelFlag,
 }
 
 impl Inputs<'_> {

@@ -1,6 +1,7 @@
 //! Requests with one contact, as JSON or as a query, and their answers.
 
 use super::{Calculation, Inputs};
+use crate::cancellation::CancelFlag;
 use crate::http::codes::WarningCode;
 use crate::http::json_body::{JsonBody, WrittenJson};
 use crate::http::problem::Problem;
@@ -57,8 +58,8 @@ pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> R
 /// Answers a request with one contact.
 pub(super) async fn answer<C: Calculation + 'static>(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     let takes_long = C::TAKES_LONG || may_state_curvature(body.json(), b'\\');
-    let answer = move || WrittenJson::of(&body.read(read::<C>)?);
-    if takes_long { work.run_piece(answer).await } else { answer() }
+    let answer = move |cancel: &CancelFlag| WrittenJson::of(&body.read(|object, faults| read::<C>(object, faults, cancel))?);
+    if takes_long { work.run_piece(answer).await } else { answer(&CancelFlag::default()) }
 }
 
 /// Answers the same request as a query.
@@ -69,8 +70,8 @@ pub(super) async fn answer_query<C: Calculation + 'static>(
 ) -> Result<WrittenJson, Problem> {
     let text = text.unwrap_or_default();
     let takes_long = C::TAKES_LONG || may_state_curvature(text.as_bytes(), b'%');
-    let answer = move || WrittenJson::of(&query.read(&text, read::<C>)?);
-    if takes_long { work.run_piece(answer).await } else { answer() }
+    let answer = move |cancel: &CancelFlag| WrittenJson::of(&query.read(&text, |object, faults| read::<C>(object, faults, cancel))?);
+    if takes_long { work.run_piece(answer).await } else { answer(&CancelFlag::default()) }
 }
 
 /// Whether a request may state a curvature. A search with a curvature can take tens of milliseconds, too long for a
@@ -80,7 +81,7 @@ fn may_state_curvature(request: &[u8], escape: u8) -> bool {
 }
 
 /// Reads a request and computes its answer. Its parts without faults are evaluated to find further faults.
-fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<Answer, Faulted> {
+fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults, cancel: &CancelFlag) -> Result<Answer, Faulted> {
     let path = object.path();
     let shared = SharedParameters::read(object, faults);
     let contact = object.required(&CONTACT, faults);
@@ -94,7 +95,7 @@ fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults) -> Res
     let pass = pass.map_err(|cause| faults.push(fault(cause, parameters.step_over_member())))?;
     let calculation = calculation?;
     let feed_per_tooth = parameters.feed_per_tooth()?;
-    let inputs = Inputs { shared: &shared, pass: &pass, step_over: step_over?, feed_per_tooth, heights: Heights::Parts };
+    let inputs = Inputs { shared: &shared, pass: &pass, step_over: step_over?, feed_per_tooth, heights: Heights::Parts, cancel };
     let figures = calculation.compute(&inputs).map_err(|cause| faults.push(fault(cause, calculation.step_over_member(&parameters))))?;
     let mut warnings: Vec<Warning> = figures.warnings(&pass).map(Warning::from).collect();
     let check = check(&pass, &figures, &mut warnings);

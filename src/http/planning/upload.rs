@@ -125,9 +125,7 @@ impl Received {
 
     async fn read_library(&mut self, form: &mut MultipartForm, file_name: Option<String>, work: &Work) -> Result<(), Problem> {
         let bytes = read_small(form, LIBRARY, LARGEST_LIBRARY).await?;
-        let cancel = CancelOnDrop::default();
-        let cancelled = CancelFlag::clone(&cancel);
-        let library = work.run_piece(move || ToolLibrary::read_until(&bytes, file_name.as_deref(), &cancelled)).await;
+        let library = work.run_piece(move |cancel| ToolLibrary::read_until(&bytes, file_name.as_deref(), cancel)).await;
         self.libraries.push(library);
         Ok(())
     }
