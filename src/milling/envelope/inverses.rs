@@ -113,18 +113,26 @@ impl Envelope {
             return Outcome::Below;
         }
         // Of both bodies the one that leaves more decides.
-        let by_body = self.bodies().map(|body| self.search(body).solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess)));
-        let sure = by_body.reduce(|one, other| if one.is_better(sought, &other) { other } else { one }).unwrap_or(Outcome::Above);
-        let start = match sure {
+        let solve = |body| self.search(body).solve(sought, guess, Length::SMALLEST, largest, &mut self.places(&guess));
+        let by_body: Vec<Outcome> = self.bodies().map(solve).collect();
+        let least = by_body.iter().copied().reduce(|one, other| if one.is_better(sought, &other) { other } else { one });
+        match least {
             // Where passes or marks only just overlap, rounding decides.
-            Outcome::At(length) if length > largest * JUST_UNDER && excess(largest).is_some_and(|excess| excess <= 0.0) => {
+            Some(Outcome::At(length)) if length > largest * JUST_UNDER && excess(largest).is_some_and(|excess| excess <= 0.0) => {
                 return Outcome::Above;
             }
-            Outcome::At(length) if !is_right(length) => length,
-            Outcome::Above if !is_plane => largest,
-            Outcome::Below if !is_plane => Length::SMALLEST,
-            right => return right,
-        };
+            Some(outcome) if is_plane => return outcome,
+            Some(Outcome::At(length)) if is_right(length) => return Outcome::At(length),
+            _ => {}
+        }
+        // Otherwise the root of the height is sought from the length at which it is the nearest to the tolerance.
+        let lengths = by_body.iter().map(|outcome| match outcome {
+            Outcome::At(length) => *length,
+            Outcome::Above => largest,
+            Outcome::Below => Length::SMALLEST,
+        });
+        let by_excess = lengths.map(|length| (excess(length).map_or(f64::INFINITY, f64::abs), length));
+        let start = by_excess.min_by(|one, other| one.0.total_cmp(&other.0)).map_or(largest, |(_, length)| length);
         let mut ratio = FIRST_RATIO;
         let (mut kept, mut exceeds) = (0.0_f64, f64::INFINITY);
         let mut keeps = |length: f64| {
