@@ -70,7 +70,7 @@ impl fmt::Display for Reason<PathWeakness> {
             PathWeakness::CornersNotTimed => {
                 write!(
                     f,
-                    "{figure:.1} moves from stop to stop, between which the control slows down in no corner; state path_tolerance_mm of the machine"
+                    "{figure:.0} moves from stop to stop on average, between which the control slows down in no corner; state path_tolerance_mm of the machine"
                 )
             }
         }
