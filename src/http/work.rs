@@ -154,28 +154,39 @@ mod tests {
         assert_eq!(result, Ok(7));
     }
 
-    #[tokio::test]
-    async fn work_of_a_dropped_future_is_cancelled_and_keeps_its_permit_until_it_ends() {
-        let work = work(1);
+    /// Work that ends when it is cancelled, and when it begins and ends.
+    fn endless() -> (impl FnOnce(&CancelFlag) + Send + 'static, mpsc::Receiver<()>, mpsc::Receiver<Instant>) {
         let (begin, begun) = mpsc::channel();
         let (end, ended) = mpsc::channel();
-        let endless = move |cancel: &CancelFlag| {
+        let work = move |cancel: &CancelFlag| {
             begin.send(()).unwrap();
             while !cancel.is_cancelled() {
                 std::thread::yield_now();
             }
             end.send(Instant::now()).unwrap();
         };
+        (work, begun, ended)
+    }
+
+    /// What is sent, waited for on another thread.
+    async fn received<T: Send + 'static>(receiver: mpsc::Receiver<T>) -> T {
+        tokio::task::spawn_blocking(move || receiver.recv_timeout(Duration::from_secs(30)).unwrap()).await.unwrap()
+    }
+
+    #[tokio::test]
+    async fn work_of_a_dropped_future_is_cancelled_and_keeps_its_permit_until_it_ends() {
+        let work = work(1);
+        let (endless, begun, ended) = endless();
         let task = tokio::spawn({
             let work = work.clone();
             async move { work.run(endless).await }
         });
-        tokio::task::spawn_blocking(move || begun.recv().unwrap()).await.unwrap();
+        received(begun).await;
         assert_eq!(work.admit(Duration::ZERO).await.unwrap_err(), Overload::Workers);
         let dropped = Instant::now();
         task.abort();
         assert!(task.await.unwrap_err().is_cancelled());
-        let ended = tokio::task::spawn_blocking(move || ended.recv().unwrap()).await.unwrap();
+        let ended = received(ended).await;
         // The cancellation takes microseconds, but a loaded machine may schedule the thread late.
         assert!(ended - dropped < Duration::from_secs(5), "{:?}", ended - dropped);
         assert!(work.admit(Duration::from_secs(10)).await.is_ok());
@@ -184,19 +195,11 @@ mod tests {
     #[tokio::test]
     async fn a_piece_of_a_dropped_future_is_cancelled() {
         let work = work(1);
-        let (begin, begun) = mpsc::channel();
-        let (end, ended) = mpsc::channel();
-        let endless = move |cancel: &CancelFlag| {
-            begin.send(()).unwrap();
-            while !cancel.is_cancelled() {
-                std::thread::yield_now();
-            }
-            end.send(()).unwrap();
-        };
+        let (endless, begun, ended) = endless();
         let task = tokio::spawn(async move { work.run_piece(endless).await });
-        tokio::task::spawn_blocking(move || begun.recv().unwrap()).await.unwrap();
+        received(begun).await;
         task.abort();
-        tokio::task::spawn_blocking(move || ended.recv_timeout(Duration::from_secs(30)).unwrap()).await.unwrap();
+        received(ended).await;
     }
 
     #[tokio::test]
