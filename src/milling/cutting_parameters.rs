@@ -126,8 +126,8 @@ impl EvaluatedPass {
         self.fastest_until(tolerance, limits, &|| false)
     }
 
-    /// [`EvaluatedPass::fastest`], which takes dozens of largest step-overs. Once `stop` returns true, the search ends with lengths
-    /// that are none of its answer.
+    /// [`EvaluatedPass::fastest`], which computes dozens of largest step-overs and asks `stop` before each. Once that returns true, the
+    /// search ends, and what it returns is not the answer: the caller discards it.
     ///
     /// # Errors
     /// Those of [`EvaluatedPass::fastest`].

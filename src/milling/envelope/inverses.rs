@@ -125,7 +125,7 @@ impl Envelope {
             Some(Outcome::At(length)) if is_right(length) => return Outcome::At(length),
             _ => {}
         }
-        // Otherwise the root of the height is sought from the length at which it is the nearest to the tolerance.
+        // Otherwise the search for the length begins at the one whose height is the nearest to the tolerance.
         let lengths = by_body.iter().map(|outcome| match outcome {
             Outcome::At(length) => *length,
             Outcome::Above => largest,
