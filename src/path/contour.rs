@@ -52,6 +52,73 @@ pub fn borders(
     Tracer { raster, inside, tolerance, stop }.contours(|node| labels[node])
 }
 
+/// Where tips may be.
+trait Inside: Sync {
+    /// What is known of a place inside, from which its tip follows.
+    type Found: Copy;
+
+    /// `None` outside. `near` is a facet that limits the tip nearby, and becomes the one found here: it saves time, and changes
+    /// no answer.
+    fn at(&self, place: [f64; 2], near: &mut Option<u32>) -> Option<Self::Found>;
+
+    fn place(&self, found: Self::Found) -> [f64; 2];
+
+    fn tip(&self, found: Self::Found) -> Tip;
+
+    /// The height of its tip, moved to a place nearby.
+    fn height_at(&self, found: Self::Found, place: [f64; 2]) -> f64;
+}
+
+impl<F: Fn([f64; 2]) -> Option<Tip> + Sync> Inside for F {
+    type Found = Tip;
+
+    fn at(&self, place: [f64; 2], _: &mut Option<u32>) -> Option<Tip> {
+        self(place)
+    }
+
+    fn place(&self, tip: Tip) -> [f64; 2] {
+        [tip.position[0], tip.position[1]]
+    }
+
+    fn tip(&self, tip: Tip) -> Tip {
+        tip
+    }
+
+    fn height_at(&self, tip: Tip, place: [f64; 2]) -> f64 {
+        height_at(&tip, place)
+    }
+}
+
+/// Where a cutter with its tip at a level cuts nothing. Most of the search asks only that, which the first facet found to lift
+/// the cutter answers; what is touched is sought for the tips of the curves alone.
+struct AtLevel<'a> {
+    drop: &'a DropCutter,
+    profile: &'a Profile,
+    level: f64,
+}
+
+impl Inside for AtLevel<'_> {
+    type Found = ([f64; 2], Option<u32>);
+
+    fn at(&self, [x, y]: [f64; 2], near: &mut Option<u32>) -> Option<Self::Found> {
+        let lifting = self.drop.lifting(self.profile, [x, y, self.level + ON_LEVEL], *near);
+        *near = lifting.or(*near);
+        lifting.is_none().then_some(([x, y], *near))
+    }
+
+    fn place(&self, (place, _): Self::Found) -> [f64; 2] {
+        place
+    }
+
+    fn tip(&self, ([x, y], near): Self::Found) -> Tip {
+        Tip { position: [x, y, self.level], touch: self.drop.drop(self.profile, x, y, near) }
+    }
+
+    fn height_at(&self, _: Self::Found, _: [f64; 2]) -> f64 {
+        self.level
+    }
+}
+
 /// The heights of the tips' surface on a raster, from which its level curves are found.
 #[derive(Debug, Clone)]
 pub struct LevelMap<'a> {
@@ -78,10 +145,7 @@ impl<'a> LevelMap<'a> {
     pub fn waterlines(&self, levels: &[f64], tolerance: f64, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Vec<Contour>> {
         let Self { drop, profile, raster, ref heights } = *self;
         let of_level = |&level: &f64| {
-            let inside = |[x, y]: [f64; 2]| {
-                let touch = drop.drop(profile, x, y, None);
-                touch.is_none_or(|touch| touch.height <= level + ON_LEVEL).then_some(Tip { position: [x, y, level], touch })
-            };
+            let inside = AtLevel { drop, profile, level };
             Tracer { raster, inside: &inside, tolerance, stop }.contours(|node| heights[node] <= level + ON_LEVEL)
         };
         levels.par_iter().map(of_level).collect()
@@ -120,9 +184,9 @@ impl Raster {
 /// it in the next row, or beside it.
 type Crossing = (usize, bool);
 
-struct Tracer<'a, F> {
+struct Tracer<'a, I> {
     raster: Raster,
-    inside: &'a F,
+    inside: &'a I,
     tolerance: f64,
     stop: &'a (dyn Fn() -> bool + Sync),
 }
@@ -136,7 +200,7 @@ enum Verdict {
     Remove,
 }
 
-impl<F: Fn([f64; 2]) -> Option<Tip> + Sync> Tracer<'_, F> {
+impl<I: Inside> Tracer<'_, I> {
     fn contours(&self, is_inside: impl Fn(usize) -> bool + Sync) -> Vec<Contour> {
         let steps = self.steps(&is_inside);
         let mut next: HashMap<Crossing, Crossing> = steps.iter().copied().collect();
@@ -156,8 +220,8 @@ impl<F: Fn([f64; 2]) -> Option<Tip> + Sync> Tracer<'_, F> {
             if (self.stop)() {
                 return Vec::new();
             }
-            let tips: Vec<Option<Tip>> =
-                chain.par_iter().with_min_len(16).map(|crossing| self.tip_on(*crossing, is_inside(crossing.0))).collect();
+            let tip_on = |near: &mut Option<u32>, crossing: &Crossing| self.tip_on(*crossing, is_inside(crossing.0), near);
+            let tips: Vec<Option<Tip>> = chain.par_iter().with_min_len(16).map_init(|| None, tip_on).collect();
             contours.extend(self.refined(&tips.into_iter().flatten().collect::<Vec<_>>(), closed));
         }
         contours
@@ -178,7 +242,7 @@ impl<F: Fn([f64; 2]) -> Option<Tip> + Sync> Tracer<'_, F> {
                 let is_saddle = leaves(0) && leaves(2) || leaves(1) && leaves(3);
                 let are_joined = is_saddle && {
                     let [x, y] = self.raster.place(first);
-                    (self.inside)([x + 0.5 * self.raster.step[0], y + 0.5 * self.raster.step[1]]).is_some()
+                    self.inside.at([x + 0.5 * self.raster.step[0], y + 0.5 * self.raster.step[1]], &mut None).is_some()
                 };
                 for k in (0..4).filter(|k| leaves(*k)) {
                     // In a saddle whose two inside corners are joined, the border goes around the outside corner that
@@ -192,24 +256,24 @@ impl<F: Fn([f64; 2]) -> Option<Tip> + Sync> Tracer<'_, F> {
         (0..self.raster.rows - 1).into_par_iter().flat_map_iter(of_row).collect()
     }
 
-    fn tip_on(&self, (node, is_above): Crossing, is_first_inside: bool) -> Option<Tip> {
+    fn tip_on(&self, (node, is_above): Crossing, is_first_inside: bool, near: &mut Option<u32>) -> Option<Tip> {
         let other = if is_above { node + self.raster.columns } else { node + 1 };
         let [inner, outer] = if is_first_inside { [node, other] } else { [other, node] };
-        let tip = (self.inside)(self.raster.place(inner))?;
-        Some(self.last_inside(tip, self.raster.place(outer)))
+        let found = self.inside.at(self.raster.place(inner), near)?;
+        Some(self.last_inside(found, self.raster.place(outer), near))
     }
 
-    /// The last tip inside on the line from a tip to a place outside.
-    fn last_inside(&self, mut tip: Tip, mut outside: [f64; 2]) -> Tip {
+    /// The last tip inside on the line from a place inside to one outside.
+    fn last_inside(&self, mut found: I::Found, mut outside: [f64; 2], near: &mut Option<u32>) -> Tip {
         let resolution = (1e-2 * self.tolerance).max(1e-9);
         loop {
-            let [x, y, _] = tip.position;
+            let [x, y] = self.inside.place(found);
             if (outside[0] - x).hypot(outside[1] - y) <= resolution {
-                return tip;
+                return self.inside.tip(found);
             }
             let middle = [0.5 * (x + outside[0]), 0.5 * (y + outside[1])];
-            match (self.inside)(middle) {
-                Some(nearer) => tip = nearer,
+            match self.inside.at(middle, near) {
+                Some(nearer) => found = nearer,
                 None => outside = middle,
             }
         }
@@ -263,36 +327,37 @@ impl<F: Fn([f64; 2]) -> Option<Tip> + Sync> Tracer<'_, F> {
 
     /// Looks for the border across three places of a chord.
     fn verdict(&self, a: &Tip, b: &Tip, length: f64) -> Verdict {
-        let near = 0.5 * self.tolerance;
+        let close = 0.5 * self.tolerance;
         let along = [0, 1].map(|axis| (b.position[axis] - a.position[axis]) / length);
+        let mut near = a.touch.or(b.touch).map(|touch| touch.facet);
         for share in [0.5, 0.25, 0.75] {
             let [x, y, z] = [0, 1, 2].map(|axis| a.position[axis] + share * (b.position[axis] - a.position[axis]));
             // The inside is on the left.
             let place = |inwards: f64| [x - along[1] * inwards, y + along[0] * inwards];
-            let here = (self.inside)(place(0.0));
+            let here = self.inside.at(place(0.0), &mut near);
             let towards = if here.is_some() { -1.0 } else { 1.0 };
-            let (mut tip, mut outside) = (here, here.is_none().then(|| place(0.0)));
-            let mut reach = near;
-            while (tip.is_none() || outside.is_none()) && reach <= length.max(near) {
-                match (self.inside)(place(towards * reach)) {
-                    Some(found) => tip = Some(found),
+            let (mut found, mut outside) = (here, here.is_none().then(|| place(0.0)));
+            let mut reach = close;
+            while (found.is_none() || outside.is_none()) && reach <= length.max(close) {
+                match self.inside.at(place(towards * reach), &mut near) {
+                    Some(farther) => found = Some(farther),
                     None => outside = Some(place(towards * reach)),
                 }
                 reach *= 2.0;
             }
-            match (tip, outside) {
+            match (found, outside) {
                 // The first place looked at is within half of the tolerance.
-                (Some(tip), Some(outside)) => {
-                    let is_near = reach <= 2.0 * near;
-                    if !is_near || (height_at(&tip, [x, y]) - z).abs() > near {
-                        return Verdict::Split(self.last_inside(tip, outside));
+                (Some(found), Some(outside)) => {
+                    let is_near = reach <= 2.0 * close;
+                    if !is_near || (self.inside.height_at(found, [x, y]) - z).abs() > close {
+                        return Verdict::Split(self.last_inside(found, outside, &mut near));
                     }
                 }
                 (None, _) => return Verdict::Remove,
                 // Inside, and farther from the border than it is long: there the chord follows the tips' surface.
                 (Some(_), None) => {
-                    if let Some(tip) = here.filter(|tip| (tip.position[2] - z).abs() > near) {
-                        return Verdict::Split(tip);
+                    if let Some(here) = here.filter(|here| (self.inside.height_at(*here, [x, y]) - z).abs() > close) {
+                        return Verdict::Split(self.inside.tip(here));
                     }
                 }
             }

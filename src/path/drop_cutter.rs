@@ -189,8 +189,7 @@ impl DropCutter {
     #[must_use]
     pub fn drop(&self, profile: &Profile, x: f64, y: f64, guess: Option<u32>) -> Option<Touch> {
         let query = Query::of(profile, [x, y]);
-        let mut highest = Highest::NONE;
-        self.rest_nearby(&query, guess.and_then(|facet| self.places.get(facet as usize)).map(|place| *place as usize), &mut highest);
+        let mut highest = self.resting_nearby(&query, guess);
         self.visit(
             |node, highest| query.bound(node, highest),
             |place, highest| query.rest_on(place, &self.corners[place], highest),
@@ -211,6 +210,26 @@ impl DropCutter {
             }
         };
         self.visit(|node, highest| query.bound(node, highest), meet, &mut highest);
+    }
+
+    /// A facet that lifts the cutter over a tip by more than rounding, `None` if none does. `guess`, a facet that was touched
+    /// nearby, saves time.
+    pub(super) fn lifting(&self, profile: &Profile, [x, y, z]: [f64; 3], guess: Option<u32>) -> Option<u32> {
+        let query = Query::of(profile, [x, y]);
+        let mut highest = self.resting_nearby(&query, guess);
+        if highest.height <= z {
+            // What lies under the bottom of the cutter that rests lower lies under its bottom at the tip.
+            highest.height = z;
+            // The first facet found is enough.
+            let bound = |node: &Node, highest: &Highest| if highest.height > z { f64::NEG_INFINITY } else { query.bound(node, highest) };
+            let rest_on = |place: usize, highest: &mut Highest| {
+                if highest.height <= z {
+                    query.rest_on(place, &self.corners[place], highest);
+                }
+            };
+            self.visit(bound, rest_on, &mut highest);
+        }
+        (highest.height > z).then(|| self.order[highest.place])
     }
 
     /// The height of the highest facet over or under the place (x, y), in mm.
@@ -237,16 +256,19 @@ impl DropCutter {
         highest.height.is_finite().then_some(highest)
     }
 
-    /// Rests the cutter on facets that are likely to be the highest: on a smooth part, where it stands on the plane of one facet, it
-    /// touches that facet or one near it. What is found rules out nearly all others.
-    fn rest_nearby(&self, query: &Query, guess: Option<usize>, highest: &mut Highest) {
+    /// The cutter on facets that are likely to be the highest, `guess` first: on a smooth part, where it stands on the plane of one
+    /// facet, it touches that facet or one near it. What is found rules out nearly all others.
+    fn resting_nearby(&self, query: &Query, guess: Option<u32>) -> Highest {
         const STEPS: usize = 2;
+        let mut highest = Highest::NONE;
+        let guess = guess.and_then(|facet| self.places.get(facet as usize)).map(|place| *place as usize);
         let mut next = guess.or_else(|| self.highest_over(query.at).map(|over| over.place));
         for _ in 0..STEPS {
-            let Some(place) = next else { return };
-            query.rest_on(place, &self.corners[place], highest);
+            let Some(place) = next else { break };
+            query.rest_on(place, &self.corners[place], &mut highest);
             next = query.stood_on(&self.corners[place]).and_then(|contact| self.highest_over(contact)).map(|over| over.place);
         }
+        highest
     }
 
     /// Calls `meet` with the place of every facet that may be higher than the highest found, the most promising first.

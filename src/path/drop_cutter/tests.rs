@@ -256,6 +256,28 @@ fn a_guess_changes_no_height() {
 }
 
 #[test]
+fn a_tip_is_lifted_if_the_cutter_stands_higher_and_by_a_facet_that_holds_it() {
+    let mut random = Random(6);
+    let facets = [scattered(&mut random, 120), surface(10.0, 20, |x, y| (0.9 * x).sin() * (0.7 * y).cos())].concat();
+    let drop = cutter_over(&facets);
+    for profile in profiles() {
+        for _ in 0..200 {
+            let [x, y] = [random.between(-9.0, 9.0), random.between(-9.0, 9.0)];
+            let stands = height(&drop, &profile, [x, y]);
+            for guess in [None, Some(3), Some(500)] {
+                for lower in [1e-7, 0.01, 1.0, 100.0] {
+                    let tip = [x, y, stands - lower];
+                    let facet = drop.lifting(&profile, tip, guess).unwrap();
+                    assert!(height(&cutter_over(&[drop.corners(facet)]), &profile, [x, y]) > tip[2]);
+                }
+                assert_eq!(drop.lifting(&profile, [x, y, stands + 1e-7], guess), None);
+            }
+        }
+    }
+    assert_eq!(drop.lifting(&Profile::torus(1.0, 0.5), [100.0, 0.0, -1e3], None), None);
+}
+
+#[test]
 fn the_touch_is_where_the_cutter_is() {
     let mut random = Random(5);
     let facets = scattered(&mut random, 120);
