@@ -18,6 +18,9 @@ const WALL: f64 = 1e8;
 /// The length seen from above in mm up to which an edge is vertical: its higher end limits the tip.
 const VERTICAL: f64 = 1e-12;
 
+/// A facet higher than this over a point, in mm, hides it.
+const HIDES: f64 = 1e-3;
+
 /// The facets of a part, ordered so that those that limit a cutter at a place are found at once. They serve any cutter.
 ///
 /// At the axis (x, y) the tip can go down to
@@ -230,6 +233,12 @@ impl DropCutter {
             self.visit(bound, rest_on, &mut highest);
         }
         (highest.height > z).then(|| self.order[highest.place])
+    }
+
+    /// Whether a point of a facet, in mm, is seen from above: no other facet is over it.
+    #[must_use]
+    pub fn is_seen(&self, [x, y, z]: [f64; 3]) -> bool {
+        self.highest_over([x, y]).is_none_or(|over| over.height <= z + HIDES)
     }
 
     /// The height of the highest facet over or under the place (x, y), in mm.

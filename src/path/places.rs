@@ -8,10 +8,12 @@
     reason = "cells and moves are fewer than 2^32"
 )]
 
+use super::drop_cutter::DropCutter;
 use crate::numerics::random::Random;
 use crate::numerics::vector::{cross, difference, length};
 use crate::numerics::z_order::z_order;
 use crate::surface::Mesh;
+use rayon::prelude::*;
 
 /// A place on a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,13 +61,25 @@ impl Places {
         Self { inside, on_edges, area: total }
     }
 
+    /// Those of the places that are seen from above.
+    #[must_use]
+    pub fn seen_from_above(self, drop: &DropCutter) -> Self {
+        let seen = |places: Vec<Place>| -> Vec<Place> {
+            places.into_par_iter().with_min_len(64).filter(|place| drop.is_seen(place.point)).collect()
+        };
+        let drawn = self.inside.len().max(1);
+        let inside = seen(self.inside);
+        let area = self.area * inside.len() as f64 / drawn as f64;
+        Self { inside, on_edges: seen(self.on_edges), area }
+    }
+
     /// The places inside facets, each of which stands for the same area.
     #[must_use]
     pub fn inside(&self) -> &[Place] {
         &self.inside
     }
 
-    /// The area of all facets in mm^2.
+    /// The area that the places stand for in mm^2.
     #[must_use]
     pub fn area(&self) -> f64 {
         self.area

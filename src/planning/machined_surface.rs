@@ -132,7 +132,7 @@ pub(crate) fn hidden_area_share(mesh: &Mesh, visibility: &Visibility, pieces: &P
         if !is_underside {
             let (_, area) = mesh.normal_and_area(facet);
             whole += area;
-            hidden += if matches!(class, FacetClass::Hidden | FacetClass::Overhanging) { area } else { 0.0 };
+            hidden += (1.0 - visibility.visible_share(facet)) * area;
         }
     }
     if whole > 0.0 { hidden / whole } else { 0.0 }

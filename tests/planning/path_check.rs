@@ -59,6 +59,24 @@ async fn ridges_on_a_plate_have_the_height_of_the_closed_form() {
     assert_eq!(answer["places"][0]["code"], "over-tolerance");
 }
 
+/// What is left of the area to check is what is seen from above.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn the_part_of_a_plate_under_a_roof_is_not_checked() {
+    let app = TestApp::start().await;
+    let points = json!([[0, 0, 0], [20, 0, 0], [20, 12, 0], [0, 12, 0], [8, 0, 9], [20, 0, 9], [20, 12, 9], [8, 12, 9]]);
+    let triangles = json!([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]);
+    // On the plate up to the roof's edge.
+    let tips: Vec<[f64; 3]> = zigzag(0.2).into_iter().map(|[x, y, z]| [x.min(8.0 - 3.0), y, z]).collect();
+    let roofed = json!({"surface": {"mesh": {"points": points, "triangles": triangles}}, "select": {"pieces": [0]}});
+    let answer = app.answer(PATH_CHECK, &with(with(roofed, ball()), json!({"path": {"tip_mm": tips}}))).await;
+    // The ball leaves its own shape from x = 5 on.
+    let over = (8.0 - 5.0 - (9.0 - 2.99_f64.powi(2)).sqrt()) / 8.0;
+    assert!((figure(&answer, "/over_tolerance_share") - over).abs() < 0.02, "{answer:#}");
+    let reason = &answer["confidence"]["reasons"][0];
+    assert_eq!(reason["code"], "hidden-area");
+    assert!((figure(reason, "/value") - 0.6).abs() < 0.02, "{reason}");
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_program_in_a_file_has_the_figures_of_its_points() {
     let app = TestApp::start().await;

@@ -212,8 +212,8 @@ impl PathToCheck {
         let rates = of_path.stated_rates();
         let lengths = PathLengths::new(&moves, &rates, &self.machine);
         let milled = Milled::by_several(&profiles, |at| self.cutters.index(program.points[points[at]].tool), &moves, stop)?;
-        let places = Places::draw(&self.mesh, &self.facets, PLACES, 1);
         let drop = DropCutter::of_mesh(&self.mesh, stop);
+        let places = Places::draw(&self.mesh, &self.facets, PLACES, 1).seen_from_above(&drop);
         let reach = Reach::new(&profiles, &drop, &places, tolerance);
         let finish = Finish::new(&milled, &self.mesh, &places, &reach, tolerance, stop)?;
         let fewer: Vec<Place> = places.inside().iter().step_by(FEWER).copied().collect();
@@ -234,7 +234,7 @@ impl PathToCheck {
             })
             .collect();
         let largest = if self.includes(PathPart::Feeds) || self.includes(PathPart::Program) {
-            let places = Places::draw(&self.mesh, &self.facets, FEED_PLACES, 2);
+            let places = Places::draw(&self.mesh, &self.facets, FEED_PLACES, 2).seen_from_above(&drop);
             Some(of_path.largest(&passage, places.inside(), tolerance, stop)?)
         } else {
             None

@@ -56,9 +56,6 @@ pub(super) fn within(places: &[DrawnPlace], cells: Option<&Cells>) -> Vec<DrawnP
     places.iter().filter(|place| cells.is_none_or(|cells| cells.contain(place.seen_from_above()))).copied().collect()
 }
 
-/// A facet higher than this over a place, in mm, hides it.
-const HIDDEN: f64 = 1e-3;
-
 /// About `count` places of the targets that are seen from above: the area is divided into equal parts along a curve that fills the plane, and in each
 /// a random place is drawn. Evenly spaced, the places of a regular grid would lie on a few lines.
 pub(super) fn drawn(workpiece: &Workpiece, count: usize, seed: u64) -> Vec<DrawnPlace> {
@@ -82,12 +79,8 @@ pub(super) fn drawn_from(workpiece: &Workpiece, count: usize, seed: u64, belongs
             due = (places.len() as f64 + random.unit()) * share;
         }
     }
-    // Of a large facet that is partly hidden, its visible part is machined.
-    let is_seen = |place: &DrawnPlace| {
-        let [x, y, z] = place.point;
-        workpiece.facet_under([x, y]).is_none_or(|over| over.height <= z + HIDDEN)
-    };
-    places.into_par_iter().with_min_len(64).filter(is_seen).collect()
+    // Of a facet that is partly hidden, its visible part is machined.
+    places.into_par_iter().with_min_len(64).filter(|place| workpiece.drop.is_seen(place.point)).collect()
 }
 
 /// The targets in the order of a curve that fills the plane (Morton's), so that neighbours in the order are neighbours seen

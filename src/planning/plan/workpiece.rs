@@ -34,7 +34,9 @@ pub struct Workpiece {
     /// The lowest and the highest point of the targets and of everything.
     pub(super) bounds: [[f64; 3]; 2],
     pub(super) top: f64,
-    /// The area in mm^2 of what is selected and too steep to be machined, walls excepted.
+    /// The visible area in mm^2 of what is machined.
+    area: f64,
+    /// That of what is selected and too steep to be machined, walls excepted.
     steep_area: f64,
 }
 
@@ -45,12 +47,18 @@ impl Workpiece {
     pub fn new(mesh: &Mesh, visibility: &Visibility, selected: &[bool], avoid: Option<&Mesh>, stop: &(dyn Fn() -> bool + Sync)) -> Self {
         let mut planned = mesh.facets_for_finishing_until(visibility, selected, stop).into_iter();
         let mut targets: Vec<(u32, FinishFacet)> = Vec::new();
-        let mut steep_area = 0.0;
-        for ((facet, class), selected) in (0..).zip(visibility.classes()).zip(selected) {
-            match class {
-                FacetClass::Machined if *selected => targets.extend(planned.next().map(|planned| (facet, planned))),
-                FacetClass::Steep { wall: false } if *selected => steep_area += planned.next().map_or(0.0, |planned| planned.area),
-                _ => {}
+        let (mut area, mut steep_area) = (0.0, 0.0);
+        for ((facet, class), _) in (0_u32..).zip(visibility.classes()).zip(selected).filter(|(_, selected)| **selected) {
+            if !matches!(class, FacetClass::Machined | FacetClass::Steep { wall: false }) {
+                continue;
+            }
+            let Some(planned) = planned.next() else { continue };
+            let visible = visibility.visible_share(facet as usize) * planned.area;
+            if *class == FacetClass::Machined {
+                area += visible;
+                targets.push((facet, planned));
+            } else {
+                steep_area += visible;
             }
         }
         let mut points = mesh.points().to_vec();
@@ -91,7 +99,7 @@ impl Workpiece {
         }
         let top = points.iter().map(|point| point[2]).fold(f64::NEG_INFINITY, f64::max);
         let tangents = targets.iter().map(Tangent::of).collect();
-        Self { drop, targets, tangents, facets, target_of, points, triangles, around, around_starts, bounds, top, steep_area }
+        Self { drop, targets, tangents, facets, target_of, points, triangles, around, around_starts, bounds, top, area, steep_area }
     }
 
     /// The facet of a target in the mesh.
@@ -99,9 +107,9 @@ impl Workpiece {
         self.facets[target]
     }
 
-    /// The area in mm^2 of what is machined.
+    /// The visible area in mm^2 of what is machined.
     pub(super) fn area(&self) -> f64 {
-        self.targets.iter().map(|target| target.area).sum()
+        self.area
     }
 
     /// Whether the slope of a target is between two, in rad.
@@ -205,14 +213,14 @@ impl Workpiece {
             sums[2] += target.area * (steepest * steepest + level * level + 2.0 * twist * twist).sqrt();
         }
         let [area, slopes, curvature] = sums;
-        let steep_area = self.steep_area;
+        let seen = self.area + self.steep_area;
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
         let count = self.targets.len().max(1) as f64;
         let of_area = |sum: f64| if area > 0.0 { sum / area } else { 0.0 };
         SurfaceFigures {
-            area: Area::computed(area + steep_area),
+            area: Area::computed(seen),
             mean_slope: Angle::from_radians(of_area(slopes)),
-            steep_area_share: if area > 0.0 { steep_area / (area + steep_area) } else { 0.0 },
+            steep_area_share: if seen > 0.0 { self.steep_area / seen } else { 0.0 },
             facet_size: Length::computed((2.0 * area / count).sqrt()),
             sagitta: Length::computed(of_area(curvature) * 2.0 * area / count / 8.0),
         }
@@ -222,7 +230,7 @@ impl Workpiece {
 /// The figures of the surface to machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceFigures {
-    /// The area of all selected facets that are seen from above.
+    /// The area of all selected facets as far as they are seen from above.
     pub area: Area,
     /// The mean slope over the area that is machined.
     pub mean_slope: Angle,

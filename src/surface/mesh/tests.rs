@@ -90,7 +90,7 @@ fn a_roof_hides_what_is_below_it() {
 
 #[test]
 fn floors_narrower_than_a_cell_are_visible_unless_something_is_above_them() {
-    // Ten slots of 1 mm in a plate of 500 mm, a raster of 64 cells: 8 mm each.
+    // Ten slots of 1 mm in a plate of 500 mm, a raster of 256 cells: 2 mm each.
     let level = |x: [f64; 2], z: f64| {
         let at = |x: f64, y: f64| [x, y, z];
         [[at(x[0], 0.0), at(x[1], 0.0), at(x[1], 200.0)], [at(x[0], 0.0), at(x[1], 200.0), at(x[0], 200.0)]]
@@ -103,11 +103,11 @@ fn floors_narrower_than_a_cell_are_visible_unless_something_is_above_them() {
     let with_walls = mesh(&slots.iter().copied().chain(walls).collect::<Vec<_>>());
     assert_relative_eq!(shares(&with_walls).steep, 20.0 / 120.0, epsilon = 1e-12);
     assert_eq!(shares(&with_walls).hidden, 0.0);
-    // Bridges over five of them.
+    // Bridges over five of them, and over half a millimetre of the plate on both sides.
     let bridges = starts.step_by(2).flat_map(|x| level([x + 48.5, x + 50.5], 3.0));
     let bridged = mesh(&slots.iter().copied().chain(bridges).collect::<Vec<_>>());
     let area = 200.0 * (500.0 + 10.0);
-    assert_relative_eq!(shares(&bridged).hidden, 5.0 * 200.0 / area, epsilon = 1e-12);
+    assert_abs_diff_eq!(shares(&bridged).hidden, 5.0 * 2.0 * 200.0 / area, epsilon = 0.003);
 }
 
 #[test]
@@ -167,6 +167,27 @@ fn a_facet_below_the_common_edge_of_two_is_hidden() {
     let below = level([[100.0, 100.0], [100.75, 100.25], [100.25, 100.75]], 0.0);
     let classes = mesh(&[roof[0], roof[1], below]).visibility(Angle::from_degrees(85.0).unwrap()).classes().to_vec();
     assert_eq!(classes, [FacetClass::Machined, FacetClass::Machined, FacetClass::Hidden]);
+}
+
+#[test]
+fn the_visible_part_of_a_facet_mostly_under_a_roof_is_machined() {
+    let level = |[x0, x1]: [f64; 2], z: f64| {
+        let [a, b, c, d] = [[x0, 0.0, z], [x1, 0.0, z], [x1, 40.0, z], [x0, 40.0, z]];
+        [[a, b, c], [a, c, d]]
+    };
+    let under_roof = |roof: [f64; 2]| {
+        let mesh = mesh(&[level([0.0, 60.0], 0.0), level(roof, 20.0)].concat());
+        (mesh.visibility(degrees(85.0)), (roof[1] - roof[0]) / 60.0)
+    };
+    for roof in [[10.0, 50.0], [3.0, 60.0], [0.0, 30.0]] {
+        let (visibility, covered) = under_roof(roof);
+        assert_eq!(visibility.classes(), [FacetClass::Machined; 4]);
+        let visible = (visibility.visible_share(0) + visibility.visible_share(1)) / 2.0;
+        assert_abs_diff_eq!(visible, 1.0 - covered, epsilon = 0.02);
+        assert_abs_diff_eq!(visibility.shares().hidden, covered / (1.0 + covered), epsilon = 0.02);
+    }
+    // Less than a cell beside the roof is not seen.
+    assert_eq!(under_roof([0.0, 59.9]).0.classes()[..2], [FacetClass::Hidden; 2]);
 }
 
 #[test]

@@ -290,6 +290,14 @@ fn plates() {
     keeps_the_tolerance("tilted plate", &plate([30.0, 20.0], 25.0), &[ball(6.0), bull_nose(10.0, 2.0), flat(6.0)]);
 }
 
+/// Most of the two facets of a floor is under a roof.
+#[test]
+fn a_floor_under_a_roof() {
+    let roof = plate([17.5, 20.0], 0.0).into_iter().map(|facet| facet.map(|[x, y, z]| [x + 5.0, y, z + 8.0]));
+    let part: Vec<Facet> = plate([30.0, 20.0], 0.0).into_iter().chain(roof).collect();
+    keeps_the_tolerance("floor under a roof", &part, &[ball(4.0), bull_nose(4.0, 1.0), flat(4.0)]);
+}
+
 #[test]
 fn pocket() {
     let part = steps(&[0.0, 6.0, 26.0, 32.0], &[0.0, 6.0, 20.0, 26.0], &[&[5.0; 3], &[5.0, 0.0, 5.0], &[5.0; 3]]);
