@@ -1,5 +1,6 @@
 //! Runs along the feet of walls: the border of where the tip stands on what is to be machined, as far as it touches a wall
-//! there. Lines that end at a wall leave triangles between their ends, and lines beside a wall a strip.
+//! there. Lines that end at a wall leave triangles between their ends, and lines beside a wall a strip, or all of a ledge that is
+//! too narrow for the axis to stand over it.
 
 use super::chain::{Chain, points_along};
 use super::judged::Judged;
@@ -8,7 +9,8 @@ use super::region::Region;
 use super::runs::{Run, RunTip, target_under};
 use super::stations::Station;
 use super::workpiece::Workpiece;
-use crate::path::{Area, Contour, Tip, borders};
+use crate::milling::Profile;
+use crate::path::{Area, Contour, Tip, Touch, borders};
 use std::collections::HashSet;
 
 /// Cells of the raster on which borders are found in a cutter's radius, and the most nodes of it.
@@ -25,6 +27,13 @@ pub(super) struct Feet {
     radius: f64,
 }
 
+/// The largest distance of a ledge from the axis, in radii of the cutter, at which it is finished from beside it. Between the tips on
+/// two narrow steps are then tips that finish neither, over more than a cell.
+const FROM_BESIDE: f64 = 0.8;
+
+/// The halvings in the search of the distance of a ledge, for 2 % of the cutter's radius.
+const DISTANCE_HALVINGS: u32 = 5;
+
 /// One border, in points at most half a cutter's radius apart.
 #[derive(Debug, Clone)]
 struct Foot {
@@ -33,12 +42,54 @@ struct Foot {
     at_wall: Vec<bool>,
 }
 
+/// Where the axis stands when the cutter finishes what is at the foot of a wall.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum AxisPlace {
+    /// Over it, or where the contact's normal says.
+    Over,
+    /// Beside a level ledge that is too narrow for the axis to stand over it: the edge of the flat finishes it.
+    Beside,
+}
+
+impl AxisPlace {
+    /// The target that a tip finishes.
+    fn finished(self, workpiece: &Workpiece, prepared: &Prepared, axis: [f64; 2], touch: &Touch, tolerance: f64) -> Option<usize> {
+        match (self, target_under(workpiece, prepared, axis, touch, tolerance)) {
+            (Self::Over, target) => target,
+            (Self::Beside, Some(_)) => None,
+            (Self::Beside, None) => {
+                let target = workpiece.finished_by(touch)?;
+                let farthest = FROM_BESIDE * prepared.profile.outer_radius();
+                let [x, y] = nearest_at(workpiece, axis, touch.height - tolerance, farthest)?;
+                let over_it = workpiece.drop.drop(&prepared.profile, x, y, None)?;
+                (over_it.height > touch.height + tolerance).then_some(target)
+            }
+        }
+    }
+}
+
+/// The place of the part at least this high that is the nearest to an axis, up to a distance.
+fn nearest_at(workpiece: &Workpiece, [x, y]: [f64; 2], height: f64, distance: f64) -> Option<[f64; 2]> {
+    let within = |distance: f64| workpiece.drop.drop(&Profile::torus(distance, 0.0), x, y, None).filter(|touch| touch.height >= height);
+    let mut nearest = within(distance)?;
+    let [mut near, mut far] = [0.0, distance];
+    for _ in 0..DISTANCE_HALVINGS {
+        let middle = f64::midpoint(near, far);
+        match within(middle) {
+            Some(touch) => (nearest, far) = (touch, middle),
+            None => near = middle,
+        }
+    }
+    Some([nearest.contact.x, nearest.contact.y])
+}
+
 impl Feet {
     /// The feet of all walls beside what a cutter can machine of a region. Once `stop` returns true, the result must be discarded.
     pub(super) fn of(
         workpiece: &Workpiece,
         prepared: &Prepared,
         region: &Region,
+        place: AxisPlace,
         chord_tolerance: f64,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Self {
@@ -49,11 +100,11 @@ impl Feet {
         let area = Area { min, max, cell: (radius / CELLS_IN_RADIUS).max(coarsest) };
         let inside = |axis: [f64; 2]| {
             let touch = workpiece.drop.drop(&prepared.profile, axis[0], axis[1], None)?;
-            target_under(workpiece, prepared, axis, &touch, chord_tolerance).filter(|target| region.includes(*target, axis))?;
+            place.finished(workpiece, prepared, axis, &touch, chord_tolerance).filter(|target| region.includes(*target, axis))?;
             Some(Tip { position: [axis[0], axis[1], touch.height], touch: Some(touch) })
         };
         let curves = borders(&inside, &area, chord_tolerance, stop);
-        let foot = |contour: &Contour| Foot::of(workpiece, prepared, contour, chord_tolerance);
+        let foot = |contour: &Contour| Foot::of(workpiece, prepared, contour, place, chord_tolerance);
         Self { curves: curves.iter().map(foot).filter(|foot| foot.at_wall.contains(&true)).collect(), radius }
     }
 
@@ -73,28 +124,17 @@ impl Feet {
 }
 
 impl Foot {
-    fn of(workpiece: &Workpiece, prepared: &Prepared, contour: &Contour, chord_tolerance: f64) -> Self {
+    fn of(workpiece: &Workpiece, prepared: &Prepared, contour: &Contour, place: AxisPlace, chord_tolerance: f64) -> Self {
         let mut foot = Self { chain: Chain { tips: Vec::new(), closed: contour.closed }, at_wall: Vec::new() };
         for (tip, along) in points_along(contour, prepared.profile.outer_radius() / 2.0) {
-            foot.push(workpiece, prepared, tip, along, chord_tolerance);
+            let axis = [tip[0], tip[1]];
+            let touch = workpiece.drop.drop(&prepared.profile, axis[0], axis[1], None);
+            let target = touch.and_then(|touch| place.finished(workpiece, prepared, axis, &touch, 2.0 * chord_tolerance));
+            let contact = touch.map_or(tip, |touch| touch.contact.into());
+            foot.chain.tips.push(RunTip { tip, target, contact });
+            foot.at_wall.push(rises_beyond(workpiece, prepared, tip, along, 2.0 * chord_tolerance));
         }
         foot
-    }
-
-    /// Adds a tip of the border, which runs along `along` there, the inside on its left.
-    fn push(&mut self, workpiece: &Workpiece, prepared: &Prepared, tip: [f64; 3], along: [f64; 2], chord_tolerance: f64) {
-        let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
-        let distance = BEYOND * prepared.profile.outer_radius();
-        let beyond = [tip[0] + distance * along[1] / length, tip[1] - distance * along[0] / length];
-        let rises = workpiece
-            .drop
-            .drop(&prepared.profile, beyond[0], beyond[1], None)
-            .is_some_and(|touch| touch.height > tip[2] + 2.0 * chord_tolerance);
-        let touch = workpiece.drop.drop(&prepared.profile, tip[0], tip[1], None);
-        let target = touch.and_then(|touch| target_under(workpiece, prepared, [tip[0], tip[1]], &touch, 2.0 * chord_tolerance));
-        let contact = touch.map_or(tip, |touch| touch.contact.into());
-        self.chain.tips.push(RunTip { tip, target, contact });
-        self.at_wall.push(rises);
     }
 
     /// The stretches at walls that `is_near` accepts, joined over gaps up to `gap` mm along the border.
@@ -102,4 +142,13 @@ impl Foot {
         let wanted = self.chain.tips.iter().zip(&self.at_wall).map(|(tip, at_wall)| *at_wall && is_near(tip));
         self.chain.runs(wanted.collect(), gap, None)
     }
+}
+
+/// Whether a wall rises by more than `least` mm beyond a tip of a border, which runs along `along` there, the inside on its left.
+fn rises_beyond(workpiece: &Workpiece, prepared: &Prepared, tip: [f64; 3], along: [f64; 2], least: f64) -> bool {
+    let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
+    let distance = BEYOND * prepared.profile.outer_radius();
+    let beyond = [tip[0] + distance * along[1] / length, tip[1] - distance * along[0] / length];
+    let touch = workpiece.drop.drop(&prepared.profile, beyond[0], beyond[1], None);
+    touch.is_some_and(|touch| touch.height > tip[2] + least)
 }

@@ -1,7 +1,7 @@
 //! The plan of a candidate with one family of lines: lines, their runs, the path, and what it leaves, milled; the lines move until
 //! the scallop height is kept and used.
 
-use super::border::Feet;
+use super::border::{AxisPlace, Feet};
 use super::cells::Cells;
 use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
@@ -111,8 +111,8 @@ pub(super) struct Planner<'a> {
     pub(super) stations: &'a [Station],
     /// The stations of a further set of places, or of those in some cells.
     pub(super) further: &'a dyn Fn(Set, Option<&Cells>) -> Vec<Station>,
-    /// The feet of walls, once a plan needs them.
-    pub(super) feet: OnceCell<Feet>,
+    /// The feet of walls, once a plan needs them: those that the axis stands over, and those that it stands beside.
+    pub(super) feet: [OnceCell<Feet>; 2],
     /// The samples of all lines planned so far.
     pub(super) samples: &'a Cell<usize>,
     pub(super) stop: &'a (dyn Fn() -> bool + Sync),
@@ -195,14 +195,15 @@ impl Planner<'_> {
                 return Err(NoPlan::NoRuns);
             }
             let mut plan = self.judged_plan(stations, family, &lines, &runs)?;
-            if self.left_standing(stations, &plan) > effort.standing {
-                let along_borders = self.feet.get_or_init(|| Feet::of(workpiece, prepared, region, CHORD_SHARE * height, stop)).runs(
-                    stations,
-                    &plan.judged,
-                    height,
-                );
-                if !along_borders.is_empty() {
-                    runs.extend(along_borders);
+            let places = [(AxisPlace::Over, effort.standing), (AxisPlace::Beside, ENOUGH)];
+            for (feet, (place, enough)) in self.feet.iter().zip(places) {
+                if self.left_standing(stations, &plan) <= enough {
+                    break;
+                }
+                let feet = feet.get_or_init(|| Feet::of(workpiece, prepared, region, place, CHORD_SHARE * height, stop));
+                let along_feet = feet.runs(stations, &plan.judged, height);
+                if !along_feet.is_empty() {
+                    runs.extend(along_feet);
                     plan = self.judged_plan(stations, family, &lines, &runs)?;
                 }
             }

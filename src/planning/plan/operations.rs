@@ -18,7 +18,7 @@ use super::stations::{Station, stations};
 use super::workpiece::Workpiece;
 use crate::path::Milled;
 use crate::quantity::{Angle, Time};
-use std::cell::{Cell, OnceCell};
+use std::cell::Cell;
 
 /// The arrangements that are planned at most.
 const MOST_PLANNED: usize = 3;
@@ -237,7 +237,7 @@ impl Arranged<'_> {
             region: &region,
             stations: &on,
             further: &of_set,
-            feet: OnceCell::new(),
+            feet: Default::default(),
             samples,
             stop,
         };

@@ -235,7 +235,7 @@ pub fn rank(
             region: &region,
             stations: &on,
             further: &of_set,
-            feet: OnceCell::new(),
+            feet: Default::default(),
             samples: &samples,
             stop,
         };

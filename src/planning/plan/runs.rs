@@ -103,6 +103,9 @@ pub(super) fn highest_step(points: &[[f64; 3]]) -> f64 {
     highest
 }
 
+/// Where a level facet is looked for beside a line, in shares of what the line has to finish.
+const BESIDE: [f64; 3] = [1.0, 0.7, 0.4];
+
 /// A line across the part.
 #[derive(Debug, Clone, Copy)]
 struct Line {
@@ -211,7 +214,8 @@ impl RunMaker<'_> {
         }
         let flat = self.prepared.profile.arcs()[0].point(0.0).0;
         let [right, left] = line.half.map(|half| 0.98 * half.min(flat));
-        [line.across - right, line.across + left].into_iter().find_map(|across| {
+        // A narrow facet may lie between the line and the end of what the line has to finish.
+        BESIDE.iter().flat_map(|share| [line.across - share * right, line.across + share * left]).find_map(|across| {
             let under = self.workpiece.facet_under(self.heading.point([along, across]))?;
             ((touch.height - under.height).abs() <= self.sampling.chord_tolerance).then(|| self.workpiece.target_of(under.facet)).flatten()
         })

@@ -182,7 +182,7 @@ fn the_visible_part_of_a_facet_mostly_under_a_roof_is_machined() {
     for roof in [[10.0, 50.0], [3.0, 60.0], [0.0, 30.0]] {
         let (visibility, covered) = under_roof(roof);
         assert_eq!(visibility.classes(), [FacetClass::Machined; 4]);
-        let visible = (visibility.visible_share(0) + visibility.visible_share(1)) / 2.0;
+        let visible = f64::midpoint(visibility.visible_share(0), visibility.visible_share(1));
         assert_abs_diff_eq!(visible, 1.0 - covered, epsilon = 0.02);
         assert_abs_diff_eq!(visibility.shares().hidden, covered / (1.0 + covered), epsilon = 0.02);
     }

@@ -304,6 +304,19 @@ fn pocket() {
     keeps_the_tolerance("pocket", &part, &[bull_nose(6.0, 1.0), flat(6.0), ball(4.0)]);
 }
 
+/// The axis cannot stand over the ledge around the boss: the edge of the flat finishes it from beside the part.
+#[test]
+fn a_ledge_narrower_than_the_cutter() {
+    let part = steps(&[0.0, 2.0, 28.0, 30.0], &[0.0, 2.0, 18.0, 20.0], &[&[0.0; 3], &[0.0, 8.0, 0.0], &[0.0; 3]]);
+    keeps_the_tolerance("narrow ledge", &part, &[flat(6.0), bull_nose(6.0, 1.0), bull_nose(6.0, 0.5), flat(8.0)]);
+}
+
+#[test]
+fn stairs_narrower_than_the_cutter() {
+    let part = steps(&[0.0, 2.0, 4.0, 6.0, 8.0, 10.0], &[0.0, 15.0], &[&[0.0], &[3.0], &[6.0], &[9.0], &[12.0]]);
+    keeps_the_tolerance("narrow stairs", &part, &[flat(6.0), bull_nose(6.0, 0.5)]);
+}
+
 /// Beside the edges between its wall's facets a cutter cuts the next facet by a few micrometres, which hold it up by many times as much.
 #[test]
 fn a_round_pocket_of_few_facets() {
