@@ -47,24 +47,22 @@ struct Foot {
 pub(super) enum AxisPlace {
     /// Over it, or where the contact's normal says.
     Over,
-    /// Beside a level ledge that is too narrow for the axis to stand over it: the edge of the flat finishes it.
+    /// There, or beside a level ledge over which it can stand hardly or not at all: the edge of the flat finishes it.
     Beside,
 }
 
 impl AxisPlace {
     /// The target that a tip finishes.
     fn finished(self, workpiece: &Workpiece, prepared: &Prepared, axis: [f64; 2], touch: &Touch, tolerance: f64) -> Option<usize> {
-        match (self, target_under(workpiece, prepared, axis, touch, tolerance)) {
-            (Self::Over, target) => target,
-            (Self::Beside, Some(_)) => None,
-            (Self::Beside, None) => {
-                let target = workpiece.finished_by(touch)?;
-                let farthest = FROM_BESIDE * prepared.profile.outer_radius();
-                let [x, y] = nearest_at(workpiece, axis, touch.height - tolerance, farthest)?;
-                let over_it = workpiece.drop.drop(&prepared.profile, x, y, None)?;
-                (over_it.height > touch.height + tolerance).then_some(target)
-            }
-        }
+        target_under(workpiece, prepared, axis, touch, tolerance).or_else(|| {
+            let target = workpiece.finished_by(touch).filter(|_| self == Self::Beside)?;
+            let radius = prepared.profile.outer_radius();
+            let nearest = nearest_at(workpiece, axis, touch.height - tolerance, FROM_BESIDE * radius)?;
+            let [x, y] = [0, 1].map(|part| nearest[part] - axis[part]);
+            let farther = 1.0 + (1.0 - FROM_BESIDE) * radius / x.hypot(y).max(f64::MIN_POSITIVE);
+            let over_it = workpiece.drop.drop(&prepared.profile, axis[0] + farther * x, axis[1] + farther * y, None);
+            over_it.is_some_and(|over_it| over_it.height > touch.height + tolerance).then_some(target)
+        })
     }
 }
 

@@ -317,6 +317,13 @@ fn stairs_narrower_than_the_cutter() {
     keeps_the_tolerance("narrow stairs", &part, &[flat(6.0), bull_nose(6.0, 0.5)]);
 }
 
+/// Over a ledge as wide as the cutter's radius the axis can stand nowhere but on its edge.
+#[test]
+fn a_ledge_as_wide_as_the_radius() {
+    let part = steps(&[0.0, 5.0, 8.0, 12.0], &[0.0, 15.0], &[&[0.0], &[0.5], &[4.0]]);
+    keeps_the_tolerance("ledge", &part, &[flat(6.0), flat(6.0), bull_nose(6.0, 1.0), bull_nose(6.0, 0.5)]);
+}
+
 /// Beside the edges between its wall's facets a cutter cuts the next facet by a few micrometres, which hold it up by many times as much.
 #[test]
 fn a_round_pocket_of_few_facets() {
