@@ -27,8 +27,9 @@ pub(super) struct Feet {
     radius: f64,
 }
 
-/// The largest distance of a ledge from the axis, in radii of the cutter, at which it is finished from beside it. Between the tips on
-/// two narrow steps are then tips that finish neither, over more than a cell.
+/// The largest distance of a ledge from the axis, in radii of the cutter, at which it is finished from beside it. Between the tips that
+/// finish two neighbouring narrow steps are then tips that finish neither, over a width of more than one cell of the raster. A ledge over
+/// which the axis can stand up to the rest of the radius beyond its edge, or less, counts as narrow.
 const FROM_BESIDE: f64 = 0.8;
 
 /// The halvings in the search of the distance of a ledge, for 2 % of the cutter's radius.

@@ -111,7 +111,7 @@ pub(super) struct Planner<'a> {
     pub(super) stations: &'a [Station],
     /// The stations of a further set of places, or of those in some cells.
     pub(super) further: &'a dyn Fn(Set, Option<&Cells>) -> Vec<Station>,
-    /// The feet of walls, once a plan needs them: those that the axis stands over, and those that it stands beside.
+    /// The feet of walls, once a plan needs them: those over which the axis stands, and then those beside which it stands as well.
     pub(super) feet: [OnceCell<Feet>; 2],
     /// The samples of all lines planned so far.
     pub(super) samples: &'a Cell<usize>,
