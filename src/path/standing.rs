@@ -67,7 +67,8 @@ impl Standing {
         let mut best = Self { axis, tip: z, lift: f64::INFINITY };
         for _ in 0..MOST_STEPS {
             let Some((lift, touch)) = lift_at(axis, z) else { break };
-            if lift < best.lift {
+            // Of two that are as high, the later one is farther from what it touched: in a slot as wide as the cutter, where it fits.
+            if lift <= best.lift {
                 best = Self { axis, lift: lift.max(0.0), ..best };
             }
             if lift <= tolerance {

@@ -3,7 +3,7 @@
 //! too narrow for the axis to stand over it.
 
 use super::chain::{Chain, points_along};
-use super::judged::Judged;
+use super::judged::{Judged, left_standing};
 use super::prepared::Prepared;
 use super::region::Region;
 use super::runs::{Run, RunTip, target_under};
@@ -112,8 +112,7 @@ impl Feet {
         let cell = self.radius;
         #[expect(clippy::cast_possible_truncation, reason = "extents over radii are under 2^31")]
         let cell_of = |point: [f64; 2]| point.map(|part| (part / cell).floor() as i32);
-        let stands = |(station, judged): &(&Station, &Judged)| station.lift <= height && judged.left.is_none_or(|left| left > 1.5 * height);
-        let standing: HashSet<[i32; 2]> = stations.iter().zip(judged).filter(stands).map(|(station, _)| cell_of(station.axis)).collect();
+        let standing: HashSet<[i32; 2]> = left_standing(stations, judged, height).map(|station| cell_of(station.axis)).collect();
         let is_near = |tip: &RunTip| {
             let [x, y] = cell_of([tip.tip[0], tip.tip[1]]);
             (-1..=1).any(|dx| (-1..=1).any(|dy| standing.contains(&[x + dx, y + dy])))

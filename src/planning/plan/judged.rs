@@ -57,6 +57,16 @@ pub(super) fn judged(
     stations.par_iter().with_min_len(64).map(of_station).collect()
 }
 
+/// From this many scallop heights on, what is left is no ridge between lines.
+const STANDING: f64 = 1.5;
+
+/// The stations that the cutter can reach and a path leaves standing; the scallop height in mm.
+pub(super) fn left_standing<'a>(stations: &'a [Station], judged: &'a [Judged], height: f64) -> impl Iterator<Item = &'a Station> {
+    let stands =
+        move |(station, judged): &(&Station, &Judged)| station.lift <= height && judged.left.is_none_or(|left| left > STANDING * height);
+    stations.iter().zip(judged).filter(stands).map(|(station, _)| station)
+}
+
 /// Heights left over the area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FinishFigures {

@@ -6,12 +6,13 @@ use super::cells::Cells;
 use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
 use super::family::Family;
-use super::judged::{FinishFigures, Judged, judged, respace};
+use super::judged::{FinishFigures, Judged, judged, left_standing, respace};
 use super::levels::LevelMaker;
 use super::prepared::Prepared;
 use super::region::Region;
 use super::runs::{Run, RunMaker};
 use super::settings::PlanSettings;
+use super::slots::Slots;
 use super::spread::{Allowed, Spread};
 use super::stations::Station;
 use super::tour::Tour;
@@ -55,6 +56,9 @@ const ENOUGH: f64 = 0.002;
 
 /// The share up to which it counts as kept on stations on which lines were not spaced.
 const UNSEEN_ENOUGH: f64 = 0.003;
+
+/// The most runs along a narrow slot: beside the first one, strips along the walls may stay.
+const MOST_SLOT_RUNS: usize = 3;
 
 /// A station is high from this share of the scallop height on. Further places are drawn in cells around high ones; the width of a cell,
 /// in mean distances of stations.
@@ -181,32 +185,21 @@ impl Planner<'_> {
         sampling: Sampling,
         effort: &Effort,
     ) -> Result<Spaced, NoPlan> {
-        let Self { workpiece, prepared, settings, region, stop, .. } = *self;
+        let Self { settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let maker = self.line_maker(&family, spread, sampling);
         let mut best: Option<Spaced> = None;
         for round in 1..=*effort.rounds.end() {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
-            let mut runs = maker.runs(&lines, self.samples)?;
+            let runs = maker.runs(&lines, self.samples)?;
             if stop() {
                 return Err(NoPlan::Stopped);
             }
             if runs.is_empty() {
                 return Err(NoPlan::NoRuns);
             }
-            let mut plan = self.judged_plan(stations, family, &lines, &runs)?;
-            let places = [(AxisPlace::Over, effort.standing), (AxisPlace::Beside, ENOUGH)];
-            for (feet, (place, enough)) in self.feet.iter().zip(places) {
-                if self.left_standing(stations, &plan) <= enough {
-                    break;
-                }
-                let feet = feet.get_or_init(|| Feet::of(workpiece, prepared, region, place, CHORD_SHARE * height, stop));
-                let along_feet = feet.runs(stations, &plan.judged, height);
-                if !along_feet.is_empty() {
-                    runs.extend(along_feet);
-                    plan = self.judged_plan(stations, family, &lines, &runs)?;
-                }
-            }
+            let plan = self.judged_plan(stations, family, &lines, &runs)?;
+            let plan = self.with_standing_finished(stations, plan, runs, effort)?;
             // Where a few rounds do not keep the scallop height, places between the stations are the reason.
             let margin = if round <= *effort.rounds.start() { 0.995 } else { 0.97 };
             let of_round = allowed.clone();
@@ -221,6 +214,43 @@ impl Planner<'_> {
             }
         }
         best.ok_or(NoPlan::NoRuns)
+    }
+
+    /// The plan with further runs where lines leave what the cutter can reach: along the feet of walls, and in narrow slots.
+    fn with_standing_finished(
+        &self,
+        stations: &[Station],
+        mut plan: MilledPlan,
+        mut runs: Vec<Run>,
+        effort: &Effort,
+    ) -> Result<MilledPlan, NoPlan> {
+        let Self { workpiece, prepared, settings, region, stop, .. } = *self;
+        let height = settings.scallop_height.mm();
+        let places = [(AxisPlace::Over, effort.standing), (AxisPlace::Beside, ENOUGH)];
+        for (feet, (place, enough)) in self.feet.iter().zip(places) {
+            if left_standing_share(stations, &plan, height) <= enough {
+                break;
+            }
+            let feet = feet.get_or_init(|| Feet::of(workpiece, prepared, region, place, CHORD_SHARE * height, stop));
+            let along_feet = feet.runs(stations, &plan.judged, height);
+            if !along_feet.is_empty() {
+                runs.extend(along_feet);
+                plan = self.judged_plan(stations, plan.family, &plan.lines, &runs)?;
+            }
+        }
+        for _ in 0..MOST_SLOT_RUNS {
+            if left_standing_share(stations, &plan, height) <= effort.standing {
+                break;
+            }
+            let standing: Vec<&Station> = left_standing(stations, &plan.judged, height).collect();
+            let in_slots = Slots::around(workpiece, prepared, &standing, height, CHORD_SHARE * height, stop).runs();
+            if in_slots.is_empty() {
+                break;
+            }
+            runs.extend(in_slots);
+            plan = self.judged_plan(stations, plan.family, &plan.lines, &runs)?;
+        }
+        Ok(plan)
     }
 
     fn line_maker<'b>(&'b self, family: &'b Family, spread: &'b Spread, sampling: Sampling) -> LineMaker<'b> {
@@ -261,14 +291,12 @@ impl Planner<'_> {
         let gouge = Length::computed(finish.gouge.mm().max(plan.finish.gouge.mm()));
         Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, judged, ..plan })
     }
+}
 
-    /// The share of the area of places that the cutter reaches and the path leaves far over the scallop height.
-    fn left_standing(&self, stations: &[Station], plan: &MilledPlan) -> f64 {
-        let height = self.settings.scallop_height.mm();
-        let stands = |(station, judged): &(&Station, &Judged)| station.lift <= height && judged.left.is_none_or(|left| left > 1.5 * height);
-        let standing: f64 = stations.iter().zip(&plan.judged).filter(stands).map(|(station, _)| station.place.area).sum();
-        standing / stations.iter().map(|station| station.place.area).sum::<f64>().max(f64::MIN_POSITIVE)
-    }
+/// The share of the area that the cutter can reach and the path leaves standing.
+fn left_standing_share(stations: &[Station], plan: &MilledPlan, height: f64) -> f64 {
+    let standing: f64 = left_standing(stations, &plan.judged, height).map(|station| station.place.area).sum();
+    standing / stations.iter().map(|station| station.place.area).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// What makes the runs of a family of lines.

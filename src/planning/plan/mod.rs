@@ -32,6 +32,7 @@ mod rest;
 mod runs;
 mod settings;
 mod slopes;
+mod slots;
 mod spacing;
 mod spread;
 mod stations;
