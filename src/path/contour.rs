@@ -1,4 +1,4 @@
-//! Curves along which the tip runs: level curves of T (waterlines), and borders of regions in which the tip may be.
+//! Curves along which the tip runs level: waterlines, the level curves of T.
 
 use super::drop_cutter::DropCutter;
 use super::tip_line::Tip;
@@ -35,89 +35,8 @@ pub struct Area {
     pub cell: f64,
 }
 
-/// The borders of the region in which `inside` returns a tip: the one at that place.
-///
-/// The curves are found on the raster of the area. Their tips are inside, within a hundredth of the tolerance (over 0) of
-/// the border. A chord leaves the inside by at most the tolerance, and keeps within it of the border and of the heights of
-/// the tips below or over it. If `stop` returns true the result is incomplete and to be discarded.
-#[must_use]
-pub fn borders(
-    inside: &(impl Fn([f64; 2]) -> Option<Tip> + Sync),
-    area: &Area,
-    tolerance: f64,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> Vec<Contour> {
-    let raster = Raster::of(area);
-    let labels = raster.nodes(|place| !stop() && inside(place).is_some());
-    Tracer { raster, inside, tolerance, stop }.contours(|node| labels[node])
-}
-
-/// Where tips may be.
-trait Inside: Sync {
-    /// What is known of a place inside, from which its tip follows.
-    type Found: Copy;
-
-    /// `None` outside. `near` is a facet that limits the tip nearby, and becomes the one found here: it saves time, and changes
-    /// no answer.
-    fn at(&self, place: [f64; 2], near: &mut Option<u32>) -> Option<Self::Found>;
-
-    fn place(&self, found: Self::Found) -> [f64; 2];
-
-    fn tip(&self, found: Self::Found) -> Tip;
-
-    /// The height of its tip, moved to a place nearby.
-    fn height_at(&self, found: Self::Found, place: [f64; 2]) -> f64;
-}
-
-impl<F: Fn([f64; 2]) -> Option<Tip> + Sync> Inside for F {
-    type Found = Tip;
-
-    fn at(&self, place: [f64; 2], _: &mut Option<u32>) -> Option<Tip> {
-        self(place)
-    }
-
-    fn place(&self, tip: Tip) -> [f64; 2] {
-        [tip.position[0], tip.position[1]]
-    }
-
-    fn tip(&self, tip: Tip) -> Tip {
-        tip
-    }
-
-    fn height_at(&self, tip: Tip, place: [f64; 2]) -> f64 {
-        height_at(&tip, place)
-    }
-}
-
-/// Where a cutter with its tip at a level cuts nothing. Most of the search asks only that, which the first facet found to lift
-/// the cutter answers; what is touched is sought for the tips of the curves alone.
-struct AtLevel<'a> {
-    drop: &'a DropCutter,
-    profile: &'a Profile,
-    level: f64,
-}
-
-impl Inside for AtLevel<'_> {
-    type Found = ([f64; 2], Option<u32>);
-
-    fn at(&self, [x, y]: [f64; 2], near: &mut Option<u32>) -> Option<Self::Found> {
-        let lifting = self.drop.lifting(self.profile, [x, y, self.level + ON_LEVEL], *near);
-        *near = lifting.or(*near);
-        lifting.is_none().then_some(([x, y], *near))
-    }
-
-    fn place(&self, (place, _): Self::Found) -> [f64; 2] {
-        place
-    }
-
-    fn tip(&self, ([x, y], near): Self::Found) -> Tip {
-        Tip { position: [x, y, self.level], touch: self.drop.drop(self.profile, x, y, near) }
-    }
-
-    fn height_at(&self, _: Self::Found, _: [f64; 2]) -> f64 {
-        self.level
-    }
-}
+/// A place where a tip may be, and a facet that limits it nearby.
+type Found = ([f64; 2], Option<u32>);
 
 /// The heights of the tips' surface on a raster, from which its level curves are found.
 #[derive(Debug, Clone)]
@@ -143,10 +62,9 @@ impl<'a> LevelMap<'a> {
     /// nothing. Tolerance and `stop` as in [`borders`].
     #[must_use]
     pub fn waterlines(&self, levels: &[f64], tolerance: f64, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Vec<Contour>> {
-        let Self { drop, profile, raster, ref heights } = *self;
         let of_level = |&level: &f64| {
-            let inside = AtLevel { drop, profile, level };
-            Tracer { raster, inside: &inside, tolerance, stop }.contours(|node| heights[node] <= level + ON_LEVEL)
+            let Self { drop, profile, raster, ref heights } = *self;
+            Tracer { drop, profile, raster, level, tolerance, stop }.contours(|node| heights[node] <= level + ON_LEVEL)
         };
         levels.par_iter().map(of_level).collect()
     }
@@ -184,9 +102,12 @@ impl Raster {
 /// it in the next row, or beside it.
 type Crossing = (usize, bool);
 
-struct Tracer<'a, I> {
+/// Finds the border of where a cutter with its tip at a level cuts nothing.
+struct Tracer<'a> {
+    drop: &'a DropCutter,
+    profile: &'a Profile,
     raster: Raster,
-    inside: &'a I,
+    level: f64,
     tolerance: f64,
     stop: &'a (dyn Fn() -> bool + Sync),
 }
@@ -200,7 +121,7 @@ enum Verdict {
     Remove,
 }
 
-impl<I: Inside> Tracer<'_, I> {
+impl Tracer<'_> {
     fn contours(&self, is_inside: impl Fn(usize) -> bool + Sync) -> Vec<Contour> {
         let steps = self.steps(&is_inside);
         let mut next: HashMap<Crossing, Crossing> = steps.iter().copied().collect();
@@ -227,6 +148,19 @@ impl<I: Inside> Tracer<'_, I> {
         contours
     }
 
+    /// `None` where the tip may not be. `near`, a facet that limits the tip nearby, becomes the one found here: it saves time, and
+    /// changes no answer. The search asks mostly this, which the first facet found to lift the cutter answers; what is touched is
+    /// sought for the tips of the curves alone.
+    fn at(&self, [x, y]: [f64; 2], near: &mut Option<u32>) -> Option<Found> {
+        let lifting = self.drop.lifting(self.profile, [x, y, self.level + ON_LEVEL], *near);
+        *near = lifting.or(*near);
+        lifting.is_none().then_some(([x, y], *near))
+    }
+
+    fn tip(&self, ([x, y], near): Found) -> Tip {
+        Tip { position: [x, y, self.level], touch: self.drop.drop(self.profile, x, y, near) }
+    }
+
     /// The border's way through the raster's cells, from crossing to crossing, with the inside on the left.
     fn steps(&self, is_inside: &(impl Fn(usize) -> bool + Sync)) -> Vec<(Crossing, Crossing)> {
         let columns = self.raster.columns;
@@ -242,7 +176,7 @@ impl<I: Inside> Tracer<'_, I> {
                 let is_saddle = leaves(0) && leaves(2) || leaves(1) && leaves(3);
                 let are_joined = is_saddle && {
                     let [x, y] = self.raster.place(first);
-                    self.inside.at([x + 0.5 * self.raster.step[0], y + 0.5 * self.raster.step[1]], &mut None).is_some()
+                    self.at([x + 0.5 * self.raster.step[0], y + 0.5 * self.raster.step[1]], &mut None).is_some()
                 };
                 for k in (0..4).filter(|k| leaves(*k)) {
                     // In a saddle whose two inside corners are joined, the border goes around the outside corner that
@@ -259,20 +193,20 @@ impl<I: Inside> Tracer<'_, I> {
     fn tip_on(&self, (node, is_above): Crossing, is_first_inside: bool, near: &mut Option<u32>) -> Option<Tip> {
         let other = if is_above { node + self.raster.columns } else { node + 1 };
         let [inner, outer] = if is_first_inside { [node, other] } else { [other, node] };
-        let found = self.inside.at(self.raster.place(inner), near)?;
+        let found = self.at(self.raster.place(inner), near)?;
         Some(self.last_inside(found, self.raster.place(outer), near))
     }
 
     /// The last tip inside on the line from a place inside to one outside.
-    fn last_inside(&self, mut found: I::Found, mut outside: [f64; 2], near: &mut Option<u32>) -> Tip {
+    fn last_inside(&self, mut found: Found, mut outside: [f64; 2], near: &mut Option<u32>) -> Tip {
         let resolution = (1e-2 * self.tolerance).max(1e-9);
         loop {
-            let [x, y] = self.inside.place(found);
+            let ([x, y], _) = found;
             if (outside[0] - x).hypot(outside[1] - y) <= resolution {
-                return self.inside.tip(found);
+                return self.tip(found);
             }
             let middle = [0.5 * (x + outside[0]), 0.5 * (y + outside[1])];
-            match self.inside.at(middle, near) {
+            match self.at(middle, near) {
                 Some(nearer) => found = nearer,
                 None => outside = middle,
             }
@@ -331,15 +265,15 @@ impl<I: Inside> Tracer<'_, I> {
         let along = [0, 1].map(|axis| (b.position[axis] - a.position[axis]) / length);
         let mut near = a.touch.or(b.touch).map(|touch| touch.facet);
         for share in [0.5, 0.25, 0.75] {
-            let [x, y, z] = [0, 1, 2].map(|axis| a.position[axis] + share * (b.position[axis] - a.position[axis]));
+            let [x, y] = [0, 1].map(|axis| a.position[axis] + share * (b.position[axis] - a.position[axis]));
             // The inside is on the left.
             let place = |inwards: f64| [x - along[1] * inwards, y + along[0] * inwards];
-            let here = self.inside.at(place(0.0), &mut near);
+            let here = self.at(place(0.0), &mut near);
             let towards = if here.is_some() { -1.0 } else { 1.0 };
             let (mut found, mut outside) = (here, here.is_none().then(|| place(0.0)));
             let mut reach = close;
             while (found.is_none() || outside.is_none()) && reach <= length.max(close) {
-                match self.inside.at(place(towards * reach), &mut near) {
+                match self.at(place(towards * reach), &mut near) {
                     Some(farther) => found = Some(farther),
                     None => outside = Some(place(towards * reach)),
                 }
@@ -347,35 +281,13 @@ impl<I: Inside> Tracer<'_, I> {
             }
             match (found, outside) {
                 // The first place looked at is within half of the tolerance.
-                (Some(found), Some(outside)) => {
-                    let is_near = reach <= 2.0 * close;
-                    if !is_near || (self.inside.height_at(found, [x, y]) - z).abs() > close {
-                        return Verdict::Split(self.last_inside(found, outside, &mut near));
-                    }
-                }
+                (Some(found), Some(outside)) if reach > 2.0 * close => return Verdict::Split(self.last_inside(found, outside, &mut near)),
                 (None, _) => return Verdict::Remove,
-                // Inside, and farther from the border than it is long: there the chord follows the tips' surface.
-                (Some(_), None) => {
-                    if let Some(here) = here.filter(|here| (self.inside.height_at(*here, [x, y]) - z).abs() > close) {
-                        return Verdict::Split(self.inside.tip(here));
-                    }
-                }
+                // Near the border, or inside and farther from it than the chord is long.
+                _ => {}
             }
         }
         Verdict::Keep
-    }
-}
-
-/// The height of a tip moved to a place nearby, over the plane with the contact's normal. Without a contact the tip is on
-/// a level floor.
-fn height_at(tip: &Tip, [x, y]: [f64; 2]) -> f64 {
-    let [tip_x, tip_y, z] = tip.position;
-    match tip.touch {
-        // A tip held over its contact, as on a waterline, does not follow it.
-        Some(touch) if touch.height >= z && touch.normal.z > 1e-3 => {
-            z - (touch.normal.x * (x - tip_x) + touch.normal.y * (y - tip_y)) / touch.normal.z
-        }
-        _ => z,
     }
 }
 
@@ -383,8 +295,8 @@ fn distance(a: &Tip, b: &Tip) -> f64 {
     (b.position[0] - a.position[0]).hypot(b.position[1] - a.position[1])
 }
 
-/// The first and the last tip, and those between that chords without them would miss by more than `tolerance`, seen from
-/// above or in height (Douglas and Peucker 1973).
+/// The first and the last tip, and those between that chords without them would miss by more than `tolerance` (Douglas and Peucker
+/// 1973).
 fn simplified(tips: &[Tip], tolerance: f64) -> Vec<Tip> {
     let mut keep = vec![false; tips.len()];
     let mut parts = vec![(0, tips.len() - 1)];
@@ -400,13 +312,12 @@ fn simplified(tips: &[Tip], tolerance: f64) -> Vec<Tip> {
     tips.iter().zip(keep).filter(|(_, keep)| *keep).map(|(tip, _)| *tip).collect()
 }
 
-/// The larger of a tip's distance from a chord seen from above and of its height over or under it.
+/// The distance of a tip from a chord.
 fn off_chord(tip: &Tip, a: &Tip, b: &Tip) -> f64 {
-    let [along, out] = [b, tip].map(|end| [0, 1, 2].map(|axis| end.position[axis] - a.position[axis]));
+    let [along, out] = [b, tip].map(|end| [0, 1].map(|axis| end.position[axis] - a.position[axis]));
     let squared = along[0] * along[0] + along[1] * along[1];
     let share = if squared > 0.0 { ((out[0] * along[0] + out[1] * along[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };
-    let [x, y, z] = [0, 1, 2].map(|axis| out[axis] - share * along[axis]);
-    x.hypot(y).max(z.abs())
+    (out[0] - share * along[0]).hypot(out[1] - share * along[1])
 }
 
 #[cfg(test)]

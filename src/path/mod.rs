@@ -24,7 +24,7 @@ mod valleys;
 
 pub use check::{Finding, FindingKind, PathLengths, findings};
 pub use climbing::Spot;
-pub use contour::{Area, Contour, LevelMap, borders};
+pub use contour::{Area, Contour, LevelMap};
 pub use drop_cutter::{DropCutter, Feature, Touch};
 pub use feeds::{LargestFeeds, WithMarks, smooth};
 pub use finish::{Finish, OVER, Residual, Share};

@@ -5,10 +5,18 @@ use super::drop_cutter::DropCutter;
 use super::places::{Place, Places, twice_area};
 use crate::milling::Profile;
 use crate::numerics::vector::{difference, dot, length};
+use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// The most steps away from what blocks a flat cutter beside a place.
 const MOST_STEPS: usize = 16;
+
+/// Where that does not clear the cutter, it starts from so many axes around the place, at this share of the flat's radius.
+const STARTS: u8 = 8;
+const START_AT: f64 = 0.7;
+
+/// Axes closer than this many mm are the same.
+const SAME: f64 = 1e-9;
 
 /// Off a plane of at least this gradient a flat cutter moves by its lift over the gradient. On gentler ones that step is too long.
 const STEEP: f64 = 1.0;
@@ -63,34 +71,45 @@ impl Standing {
             let lift = lift_at(axis, z - height).map_or(0.0, |(lift, _)| lift.max(0.0));
             return Self { axis, tip: z - height, lift };
         }
-        let mut axis = [x, y];
-        let mut best = Self { axis, tip: z, lift: f64::INFINITY };
-        for _ in 0..MOST_STEPS {
-            let Some((lift, touch)) = lift_at(axis, z) else { break };
-            // Of two that are as high, the later one is farther from what it touched: in a slot as wide as the cutter, where it fits.
-            if lift <= best.lift {
-                best = Self { axis, lift: lift.max(0.0), ..best };
-            }
-            if lift <= tolerance {
-                break;
-            }
-            // The axis moves away from what it touches until the profile clears it, or as far as the steep plane that touches the
-            // cutter there holds it up if that is farther, but not farther than the flat reaches.
-            let away = [axis[0] - touch.contact.x, axis[1] - touch.contact.y];
-            let distance = away[0].hypot(away[1]);
-            let needed = clear_distance(profile, touch.contact.z - z) * (1.0 + 1e-9) + 1e-6;
-            let gradient = touch.normal.x.hypot(touch.normal.y) / touch.normal.z;
-            let on_plane = if gradient >= STEEP { lift / gradient } else { 0.0 };
-            let farther = (needed - distance).max(on_plane);
-            if distance <= 0.0 || farther <= 0.0 {
-                break;
-            }
-            let step = farther / distance;
-            axis = [axis[0] + step * away[0], axis[1] + step * away[1]];
-            let from_place = [axis[0] - x, axis[1] - y];
-            let moved = from_place[0].hypot(from_place[1]);
-            if moved > flat {
-                axis = [x + from_place[0] * flat / moved, y + from_place[1] * flat / moved];
+        let mut best = Self { axis: [x, y], tip: z, lift: f64::INFINITY };
+        let starts = (0..STARTS).map(|part| TAU * f64::from(part) / f64::from(STARTS)).map(|angle| {
+            let (sin, cos) = angle.sin_cos();
+            [x + START_AT * flat * cos, y + START_AT * flat * sin]
+        });
+        for mut axis in std::iter::once([x, y]).chain(starts) {
+            let mut before = axis;
+            for _ in 0..MOST_STEPS {
+                let Some((lift, touch)) = lift_at(axis, z) else { break };
+                // Of two that are as high, the later one is farther from what it touched: in a slot as wide as the cutter, where it fits.
+                if lift <= best.lift {
+                    best = Self { axis, lift: lift.max(0.0), ..best };
+                }
+                if lift <= tolerance {
+                    return best;
+                }
+                // The axis moves away from what it touches until the profile clears it, or as far as the steep plane that touches the
+                // cutter there holds it up if that is farther, but not farther than the flat reaches.
+                let away = [axis[0] - touch.contact.x, axis[1] - touch.contact.y];
+                let distance = away[0].hypot(away[1]);
+                let needed = clear_distance(profile, touch.contact.z - z) * (1.0 + 1e-9) + 1e-6;
+                let gradient = touch.normal.x.hypot(touch.normal.y) / touch.normal.z;
+                let on_plane = if gradient >= STEEP { lift / gradient } else { 0.0 };
+                let farther = (needed - distance).max(on_plane);
+                if distance <= 0.0 || farther <= 0.0 {
+                    break;
+                }
+                let step = farther / distance;
+                let last = std::mem::replace(&mut before, axis);
+                axis = [axis[0] + step * away[0], axis[1] + step * away[1]];
+                let from_place = [axis[0] - x, axis[1] - y];
+                let moved = from_place[0].hypot(from_place[1]);
+                if moved > flat {
+                    axis = [x + from_place[0] * flat / moved, y + from_place[1] * flat / moved];
+                }
+                // Between two obstacles it would go to and fro.
+                if (axis[0] - last[0]).hypot(axis[1] - last[1]) < SAME {
+                    break;
+                }
             }
         }
         best

@@ -1,4 +1,4 @@
-//! Waterlines and borders against closed forms, and against the drop-cutter beside their chords.
+//! Waterlines against closed forms, and against the drop-cutter beside their chords.
 
 use super::*;
 use crate::path::{Sampling, tips_between};
@@ -90,13 +90,8 @@ fn enclosed(contour: &Contour) -> f64 {
 fn the_foot_of_a_pockets_walls_is_the_rectangle_offset_by_the_radius() {
     let drop = pocket([10.0, 7.0]);
     let flat = Profile::torus(2.0, 0.0);
-    let on_floor = |[x, y]: [f64; 2]| {
-        let touch = drop.drop(&flat, x, y, None)?;
-        (touch.height <= 1e-9).then_some(Tip { position: [x, y, touch.height], touch: Some(touch) })
-    };
-    let foot = borders(&on_floor, &square(12.0, 0.7), TOLERANCE, &|| false);
     let lines = waterlines(&drop, &flat, &[0.0, 2.0], &square(12.0, 0.7));
-    for contours in [&foot, &lines[0], &lines[1]] {
+    for contours in &lines {
         assert_eq!(contours.len(), 1);
         assert!(contours[0].closed);
         // The corners at (8, 5) may be cut by the tolerance.
@@ -166,24 +161,6 @@ fn beside_every_chord_of_a_waterline_t_is_lower_on_its_left_and_higher_on_its_ri
 }
 
 #[test]
-fn the_border_of_a_region_on_waves_keeps_to_their_heights() {
-    let drop = waves();
-    let ball = Profile::torus(2.0, 2.0);
-    let in_ellipse = |[x, y]: [f64; 2]| {
-        let touch = drop.drop(&ball, x, y, None)?;
-        ((x / 15.0).powi(2) + (y / 9.0).powi(2) <= 1.0).then_some(Tip { position: [x, y, touch.height], touch: Some(touch) })
-    };
-    let contours = borders(&in_ellipse, &square(16.0, 1.0), TOLERANCE, &|| false);
-    assert_eq!(contours.len(), 1);
-    // pi a b, less what chords within the tolerance cut off along a perimeter of 77 mm.
-    let expected = 0.5 * TAU * 15.0 * 9.0;
-    assert!((expected - 77.0 * TOLERANCE..=expected).contains(&enclosed(&contours[0])));
-    for ([x, y, z], _) in along(&contours[0]) {
-        assert!((z - drop.drop(&ball, x, y, None).unwrap().height).abs() <= TOLERANCE);
-    }
-}
-
-#[test]
 fn curves_that_leave_the_area_are_open() {
     let drop = quads(&[[[-9.0, -9.0, -9.0], [9.0, -9.0, 9.0], [9.0, 9.0, 9.0], [-9.0, 9.0, -9.0]]]);
     let lines = waterlines(&drop, &Profile::torus(1.0, 0.0), &[0.0], &square(5.0, 0.3));
@@ -197,13 +174,19 @@ fn curves_that_leave_the_area_are_open() {
 
 #[test]
 fn two_regions_that_meet_at_a_saddle_are_both_bounded() {
-    let inside = |[x, y]: [f64; 2]| (x * y > 0.02).then_some(Tip { position: [x, y, 0.0], touch: None });
-    let contours = borders(&inside, &square(3.1, 1.0), TOLERANCE, &|| false);
+    let at = |i: i32, j: i32| {
+        let [x, y] = [i, j].map(|k| 0.1 * f64::from(k));
+        [x, y, -x * y]
+    };
+    let cells = (-35..35).flat_map(|i| (-35..35).map(move |j| (i, j)));
+    let drop = quads(&cells.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]).collect::<Vec<_>>());
+    let (fine, area) = (Profile::torus(1e-3, 1e-3), square(3.1, 1.0));
+    let contours = waterlines(&drop, &fine, &[-0.02], &area).remove(0);
     assert_eq!(contours.len(), 2);
     for contour in &contours {
         assert!(along(contour).iter().all(|([x, y, _], _)| x * y > 0.0));
     }
-    assert_eq!(borders(&inside, &square(3.1, 1.0), TOLERANCE, &|| true), []);
+    assert_eq!(LevelMap::new(&drop, &fine, &area, &|| false).waterlines(&[-0.02], TOLERANCE, &|| true), [vec![]]);
 }
 
 #[test]
@@ -212,18 +195,4 @@ fn a_line_to_the_foot_ends_on_it() {
     let flat = Profile::torus(2.0, 0.0);
     let line = tips_between(&drop, &flat, [0.0, 0.0], [12.0, 0.0], &Sampling::fine(&flat, TOLERANCE), None);
     assert!((line[1].position[0] - 8.0).abs() < 1e-4);
-}
-
-#[test]
-fn a_chord_over_the_inside_follows_a_step_of_the_tips_surface() {
-    let inside = |[x, y]: [f64; 2]| Some(Tip { position: [x, y, if x < 0.3 { 1.0 } else { 0.0 }], touch: None });
-    let tracer = Tracer { raster: Raster::of(&square(2.0, 1.0)), inside: &inside, tolerance: TOLERANCE, stop: &|| false };
-    let [a, b] = [0.0, 1.0].map(|x| inside([x, 0.0]).unwrap());
-    let mut through = vec![Some(a)];
-    tracer.refine(&a, b, MOST_SPLITS, &mut through);
-    let tips: Vec<Tip> = through.into_iter().flatten().collect();
-    let steps: Vec<_> = tips.windows(2).filter(|pair| (pair[0].position[2] - pair[1].position[2]).abs() > 0.5).collect();
-    assert_eq!(steps.len(), 1, "{tips:?}");
-    assert!(steps[0][0].position[0] < 0.3 && distance(&steps[0][0], &steps[0][1]) <= 0.1 * TOLERANCE, "{steps:?}");
-    assert_abs_diff_eq!(tips.last().unwrap().position[0], 1.0);
 }

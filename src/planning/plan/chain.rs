@@ -11,22 +11,19 @@ pub(super) struct Chain {
     pub(super) closed: bool,
 }
 
-/// Points along a contour at most `apart` mm apart, each with the direction of its chord seen from above.
-pub(super) fn points_along(contour: &Contour, apart: f64) -> Vec<([f64; 3], [f64; 2])> {
+/// Points along a contour at most `apart` mm apart.
+pub(super) fn points_along(contour: &Contour, apart: f64) -> Vec<[f64; 3]> {
     let ends = contour.tips.iter().zip(contour.tips.iter().skip(1).chain(contour.tips.first().filter(|_| contour.closed)));
-    let mut points: Vec<([f64; 3], [f64; 2])> = Vec::new();
+    let mut points: Vec<[f64; 3]> = Vec::new();
     for (from, to) in ends.map(|(from, to)| (from.position, to.position)) {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of parts")]
         let parts = ((travel::distance(from, to) / apart).ceil().max(1.0)) as u32;
-        let along = [to[0] - from[0], to[1] - from[1]];
         points.extend((0..parts).map(|part| {
             let share = f64::from(part) / f64::from(parts);
-            ([0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis])), along)
+            [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis]))
         }));
     }
-    if let (false, Some(last), Some(&(_, along))) = (contour.closed, contour.tips.last(), points.last()) {
-        points.push((last.position, along));
-    }
+    points.extend(contour.tips.last().filter(|_| !contour.closed).map(|last| last.position));
     points
 }
 

@@ -57,14 +57,18 @@ pub(super) fn judged(
     stations.par_iter().with_min_len(64).map(of_station).collect()
 }
 
-/// From this many scallop heights on, what is left is no ridge between lines.
-const STANDING: f64 = 1.5;
+/// From this many scallop heights on, a place is missed by a path, and from this many on, closer lines would not finish it.
+const MISSED: f64 = 1.5;
+const FAR_MISSED: f64 = 20.0;
 
-/// The stations that the cutter can reach and a path leaves standing; the scallop height in mm.
-pub(super) fn left_standing<'a>(stations: &'a [Station], judged: &'a [Judged], height: f64) -> impl Iterator<Item = &'a Station> {
-    let stands =
-        move |(station, judged): &(&Station, &Judged)| station.lift <= height && judged.left.is_none_or(|left| left > STANDING * height);
-    stations.iter().zip(judged).filter(stands).map(|(station, _)| station)
+/// The stations that the cutter can reach and a path misses, each with whether closer lines could finish it; the scallop height in
+/// mm.
+pub(super) fn missed<'a>(stations: &'a [Station], judged: &'a [Judged], height: f64) -> impl Iterator<Item = (&'a Station, bool)> {
+    let is_missed = move |(station, judged): (&'a Station, &Judged)| {
+        let left = judged.left.unwrap_or(f64::INFINITY);
+        (station.lift <= height && left > MISSED * height).then_some((station, left < FAR_MISSED * height))
+    };
+    stations.iter().zip(judged).filter_map(is_missed)
 }
 
 /// Heights left over the area.
@@ -160,7 +164,7 @@ const NEAR_THE_RIDGE: f64 = 0.85;
 
 /// Of n random places across a parabolic ridge, the one nearest to it misses it by 1/n of its distance on average, and by less than
 /// twice that in all but a seventh of the strips.
-const MISSED: f64 = 2.0;
+const OFF_THE_RIDGE: f64 = 2.0;
 
 /// Changes the spacings that lines may have so that the height left between them becomes the scallop height: the height
 /// grows with the square of the spacing. Stations that no line can reach in their strip do not count. A station beside the
@@ -188,7 +192,7 @@ pub(super) fn respace(
             continue;
         }
         // A place that the whole strip leaves standing is no matter of spacing.
-        if let Some(left) = judged.left.filter(|left| *left < 20.0 * height) {
+        if let Some(left) = judged.left.filter(|left| *left < FAR_MISSED * height) {
             let [before, after] = [lines[strip - 1], lines[strip]];
             let share = 2.0 * (across - before).min(after - across) / (after - before);
             let here = left.max(0.0) * height / (height - judged.marks).max(1e-3 * height);
@@ -202,7 +206,7 @@ pub(super) fn respace(
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);
             let [highest, ridge] = [0, 1].map(|of| at_rank(heights, place, |a, b| a[of].total_cmp(&b[of])).map(|heights| heights[of]));
             #[expect(clippy::cast_precision_loss, reason = "thousands")]
-            let missed = 1.0 + MISSED / heights.len().max(1) as f64;
+            let missed = 1.0 + OFF_THE_RIDGE / heights.len().max(1) as f64;
             let factor = |(highest, ridge): (f64, f64)| {
                 let ridge = ridge.min(highest * missed * missed);
                 (margin * (height / ridge.max(1e-3 * height)).sqrt()).clamp(MOST_NARROWED, MOST_WIDENED)

@@ -70,7 +70,7 @@ impl<'a> LevelMaker<'a> {
 
     fn runs_of(&self, contour: &Contour, line: usize) -> Vec<Run> {
         let radius = self.prepared.profile.outer_radius();
-        let tips: Vec<RunTip> = points_along(contour, radius / 2.0).into_iter().map(|(point, _)| self.tip(point)).collect();
+        let tips: Vec<RunTip> = points_along(contour, radius / 2.0).into_iter().map(|point| self.tip(point)).collect();
         let finishes: Vec<bool> = tips.iter().map(|tip| tip.target.is_some()).collect();
         let chain = Chain { tips, closed: contour.closed };
         // A tip more at each end: the region ends somewhere on the way to it.

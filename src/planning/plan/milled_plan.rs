@@ -1,25 +1,24 @@
 //! The plan of a candidate with one family of lines: lines, their runs, the path, and what it leaves, milled; the lines move until
 //! the scallop height is kept and used.
 
-use super::border::{AxisPlace, Feet};
 use super::cells::Cells;
 use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
 use super::family::Family;
-use super::judged::{FinishFigures, Judged, judged, left_standing, respace};
+use super::judged::{FinishFigures, Judged, judged, missed, respace};
 use super::levels::LevelMaker;
+use super::missed::Missed;
 use super::prepared::Prepared;
 use super::region::Region;
 use super::runs::{Run, RunMaker};
 use super::settings::PlanSettings;
-use super::slots::Slots;
 use super::spread::{Allowed, Spread};
 use super::stations::Station;
 use super::tour::Tour;
 use super::workpiece::Workpiece;
 use crate::path::{Milled, Sampling};
 use crate::quantity::Length;
-use std::cell::{Cell, OnceCell};
+use std::cell::Cell;
 use std::ops::RangeInclusive;
 
 /// The share of the scallop height by which chords between tips may differ from the tips' surface; in a draft, for which coarse
@@ -36,16 +35,15 @@ struct Effort {
     spared: f64,
     /// The share of the area that may be far over the scallop height.
     enough: f64,
-    /// The share of the area that may stay far over the scallop height before the feet of walls are looked for, which takes as long as
-    /// a few rounds.
-    standing: f64,
+    /// The share of the area that lines may miss before further runs pass it.
+    missed: f64,
 }
 
 impl Effort {
-    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, enough: ENOUGH, standing: ENOUGH };
-    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, enough: ENOUGH, standing: 0.0 };
+    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, enough: ENOUGH, missed: ENOUGH };
+    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, enough: ENOUGH, missed: 0.0 };
     /// For a plan that does not keep the scallop height where it was not spaced.
-    const AGAIN: Self = Self { rounds: 2..=4, spared: 0.02, enough: UNSEEN_ENOUGH, standing: 0.0 };
+    const AGAIN: Self = Self { rounds: 2..=4, spared: 0.02, enough: UNSEEN_ENOUGH, missed: 0.0 };
 }
 
 /// The most samples of a path's lines, some four seconds on two threads.
@@ -57,8 +55,8 @@ const ENOUGH: f64 = 0.002;
 /// The share up to which it counts as kept on stations on which lines were not spaced.
 const UNSEEN_ENOUGH: f64 = 0.003;
 
-/// The most runs along a narrow slot: beside the first one, strips along the walls may stay.
-const MOST_SLOT_RUNS: usize = 3;
+/// How often runs are added over what a path misses: those along one wall of a slot may miss a strip along the other.
+const MOST_FURTHER_RUNS: usize = 3;
 
 /// A station is high from this share of the scallop height on. Further places are drawn in cells around high ones; the width of a cell,
 /// in mean distances of stations.
@@ -115,8 +113,6 @@ pub(super) struct Planner<'a> {
     pub(super) stations: &'a [Station],
     /// The stations of a further set of places, or of those in some cells.
     pub(super) further: &'a dyn Fn(Set, Option<&Cells>) -> Vec<Station>,
-    /// The feet of walls, once a plan needs them: those over which the axis stands, and then those beside which it stands as well.
-    pub(super) feet: [OnceCell<Feet>; 2],
     /// The samples of all lines planned so far.
     pub(super) samples: &'a Cell<usize>,
     pub(super) stop: &'a (dyn Fn() -> bool + Sync),
@@ -199,7 +195,7 @@ impl Planner<'_> {
                 return Err(NoPlan::NoRuns);
             }
             let plan = self.judged_plan(stations, family, &lines, &runs)?;
-            let plan = self.with_standing_finished(stations, plan, runs, effort)?;
+            let plan = self.with_missed_places(stations, plan, runs, effort)?;
             // Where a few rounds do not keep the scallop height, places between the stations are the reason.
             let margin = if round <= *effort.rounds.start() { 0.995 } else { 0.97 };
             let of_round = allowed.clone();
@@ -216,38 +212,27 @@ impl Planner<'_> {
         best.ok_or(NoPlan::NoRuns)
     }
 
-    /// The plan with further runs where lines leave what the cutter can reach: along the feet of walls, and in narrow slots.
-    fn with_standing_finished(
+    /// The plan with further runs over what its lines miss.
+    fn with_missed_places(
         &self,
         stations: &[Station],
         mut plan: MilledPlan,
         mut runs: Vec<Run>,
         effort: &Effort,
     ) -> Result<MilledPlan, NoPlan> {
-        let Self { workpiece, prepared, settings, region, stop, .. } = *self;
+        let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
-        let places = [(AxisPlace::Over, effort.standing), (AxisPlace::Beside, ENOUGH)];
-        for (feet, (place, enough)) in self.feet.iter().zip(places) {
-            if left_standing_share(stations, &plan, height) <= enough {
+        let whole: f64 = stations.iter().map(|station| station.place.area).sum();
+        for _ in 0..MOST_FURTHER_RUNS {
+            let places: Vec<(&Station, bool)> = missed(stations, &plan.judged, height).collect();
+            if places.iter().map(|(station, _)| station.place.area).sum::<f64>() <= effort.missed * whole {
                 break;
             }
-            let feet = feet.get_or_init(|| Feet::of(workpiece, prepared, region, place, CHORD_SHARE * height, stop));
-            let along_feet = feet.runs(stations, &plan.judged, height);
-            if !along_feet.is_empty() {
-                runs.extend(along_feet);
-                plan = self.judged_plan(stations, plan.family, &plan.lines, &runs)?;
-            }
-        }
-        for _ in 0..MOST_SLOT_RUNS {
-            if left_standing_share(stations, &plan, height) <= effort.standing {
+            let further = Missed::of(workpiece, prepared, &places, height, CHORD_SHARE * height, stop).runs();
+            if further.is_empty() {
                 break;
             }
-            let standing: Vec<&Station> = left_standing(stations, &plan.judged, height).collect();
-            let in_slots = Slots::around(workpiece, prepared, &standing, height, CHORD_SHARE * height, stop).runs();
-            if in_slots.is_empty() {
-                break;
-            }
-            runs.extend(in_slots);
+            runs.extend(further);
             plan = self.judged_plan(stations, plan.family, &plan.lines, &runs)?;
         }
         Ok(plan)
@@ -291,12 +276,6 @@ impl Planner<'_> {
         let gouge = Length::computed(finish.gouge.mm().max(plan.finish.gouge.mm()));
         Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, judged, ..plan })
     }
-}
-
-/// The share of the area that the cutter can reach and the path leaves standing.
-fn left_standing_share(stations: &[Station], plan: &MilledPlan, height: f64) -> f64 {
-    let standing: f64 = left_standing(stations, &plan.judged, height).map(|station| station.place.area).sum();
-    standing / stations.iter().map(|station| station.place.area).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// What makes the runs of a family of lines.

@@ -4,12 +4,11 @@
 //! stand. Lines are vertical planes, straight seen from above. For each candidate cutter, `stations` finds the tips that
 //! finish places drawn over the surface by `drawn_places`, and `estimate` the time of each direction from them. The best
 //! directions are planned: `spread` spaces the lines by what the stations allow, `runs` finds the tips along them,
-//! `border` adds passes along the feet of walls, `order` and `tour` link the runs to one path, and `judged` mills it and
+//! `missed` adds runs over what the lines miss, `order` and `tour` link the runs to one path, and `judged` mills it and
 //! states what it leaves; `milled_plan` moves the lines until the scallop height is kept and used. `ranking` is the entry
 //! point, `weakness` rates it, and `passes` lists the points of the path. All lengths are in mm, all times in s.
 
 mod arrangement;
-mod border;
 mod candidate;
 mod candidate_plan;
 mod cells;
@@ -22,6 +21,7 @@ mod judged;
 mod left;
 mod levels;
 mod milled_plan;
+mod missed;
 mod operations;
 mod order;
 mod passes;
@@ -32,7 +32,6 @@ mod rest;
 mod runs;
 mod settings;
 mod slopes;
-mod slots;
 mod spacing;
 mod spread;
 mod stations;

@@ -230,17 +230,7 @@ impl Arranged<'_> {
         } else {
             Region::of_targets(workpiece, |target| workpiece.is_sloped(target, overlapping(workpiece, prepared, planned.slopes, target)))
         };
-        let planner = Planner {
-            workpiece,
-            prepared,
-            settings,
-            region: &region,
-            stations: &on,
-            further: &of_set,
-            feet: Default::default(),
-            samples,
-            stop,
-        };
+        let planner = Planner { workpiece, prepared, settings, region: &region, stations: &on, further: &of_set, samples, stop };
         let draft = planner.draft(planned.family)?;
         if DRAFT_SURE * draft.seconds >= limit {
             return Err(NoPlan::NoLines);

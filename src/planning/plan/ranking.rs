@@ -228,17 +228,7 @@ pub fn rank(
         };
         let on = of_set(Set::Spaced, None);
         let region = if rest_of.is_some() { Region::of_rest(&on, &prepared.profile, height) } else { Region::WHOLE };
-        let planner = Planner {
-            workpiece,
-            prepared,
-            settings,
-            region: &region,
-            stations: &on,
-            further: &of_set,
-            feet: Default::default(),
-            samples: &samples,
-            stop,
-        };
+        let planner = Planner { workpiece, prepared, settings, region: &region, stations: &on, further: &of_set, samples: &samples, stop };
         let Directed { best, times, is_too_long } = in_best_direction(&planner, of_candidate.to_mill(&along_part), fastest_of(&plans))?;
         match best {
             Some(best) => plans.push(of_candidate.milled(workpiece, settings, best, &times)),

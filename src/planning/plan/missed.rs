@@ -1,5 +1,6 @@
-//! Runs in slots that leave the cutter hardly any room. Lines across such a slot do not enter it, and a border of where the tip may be is
-//! not found in it, as no node of the raster is there. But the axis stands in it when the cutter finishes its floor: runs join these places.
+//! Runs over what lines miss: triangles between lines that end at a wall, strips beside walls, ledges over which the axis cannot
+//! stand, slots that leave the cutter no room, narrow tops between lines. The axes that finish the missed stations are known; a run goes
+//! from one to the next.
 
 use super::prepared::Prepared;
 use super::runs::{Run, RunTip, highest_step};
@@ -12,71 +13,70 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
 
-/// The distance from the axis, in radii of the cutter, at which the cutter meets both walls of a slot that counts as narrow.
-const ROOM: f64 = 0.25;
+/// A wall is beside a tip up to this distance, and a run passes stations up to this distance beside it, in radii of the cutter.
+const BESIDE: f64 = 0.25;
 
 /// The fewest stations that are worth a run.
 const FEWEST: usize = 6;
 
-/// A run finishes stations up to this distance beside it, in radii of the cutter.
-const BESIDE: f64 = 0.5;
-
-/// What a place ahead loses for each mm beside the way straight on: along straight walls runs are straight.
+/// What each mm beside the way straight on counts against a tip ahead: along straight walls runs are straight.
 const ASTRAY: f64 = 3.0;
 
-/// Where the cutter cannot go straight to the best place ahead, one within this share of its distance is tried, so many times.
+/// Where the cutter cannot go straight to the best tip ahead, one within this share of its distance is tried, so many times.
 const NEARER: f64 = 0.6;
 const MOST_TRIES: usize = 12;
 
-/// Narrow slots whose floor a path leaves standing.
-pub(super) struct Slots<'a> {
+/// The tips that finish what a path misses.
+pub(super) struct Missed<'a> {
     workpiece: &'a Workpiece,
-    /// The cutter less the chord tolerance on all sides, so that it fits where the walls touch the cutter.
+    /// The cutter less half of the chord tolerance on all sides: it fits into a slot as wide as the cutter.
     profile: Profile,
     radius: f64,
     sampling: Sampling,
-    /// The scallop height in mm: the largest step on the floor.
+    /// The scallop height in mm: the largest step of a run.
     height: f64,
-    /// The tips that finish the stations.
-    stands: Vec<RunTip>,
-    /// The places of the tips by squares of the cutter's radius.
+    tips: Vec<RunTip>,
+    /// The positions of tips by squares of the cutter's radius.
     cells: HashMap<[i32; 2], Vec<usize>>,
 }
 
-impl<'a> Slots<'a> {
-    /// The slots around `standing`, stations that the cutter can reach; scallop height and chord tolerance in mm.
-    pub(super) fn around(
+impl<'a> Missed<'a> {
+    /// Missed stations, each with whether closer lines could finish it: of these, runs pass only those beside walls. Scallop height
+    /// and chord tolerance in mm.
+    pub(super) fn of(
         workpiece: &'a Workpiece,
         prepared: &Prepared,
-        standing: &[&Station],
+        stations: &[(&Station, bool)],
         height: f64,
         chord_tolerance: f64,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Self {
         let radius = prepared.profile.outer_radius();
-        let profile = prepared.profile.widened(-chord_tolerance.min(radius / 2.0));
-        let stand = |station: &&Station| {
-            if stop() || !is_in_slot(workpiece, &prepared.profile, station, height) {
+        let profile = prepared.profile.widened(-0.5 * chord_tolerance.min(radius));
+        let tip_of = |&(station, is_matter_of_spacing): &(&Station, bool)| {
+            if stop() || is_matter_of_spacing && !is_beside_wall(workpiece, &prepared.profile, station, height) {
                 return None;
             }
             let [x, y] = station.axis;
             let touch = workpiece.drop.drop(&profile, x, y, None).filter(|touch| touch.height <= station.tip + height)?;
             Some(RunTip { tip: [x, y, touch.height], target: Some(station.place.target), contact: station.place.point })
         };
-        let stands: Vec<RunTip> = standing.par_iter().filter_map(stand).collect();
-        let sampling = Sampling::fine(&profile, chord_tolerance);
-        let mut slots = Self { workpiece, profile, radius, sampling, height, stands, cells: HashMap::new() };
-        for (index, stand) in slots.stands.iter().enumerate() {
-            slots.cells.entry(slots.cell(stand.tip)).or_default().push(index);
+        let tips: Vec<RunTip> = stations.par_iter().filter_map(tip_of).collect();
+        let fine = Sampling::fine(&profile, chord_tolerance);
+        // The edge of a flat end that passes a wall's corner between two samples cuts it by step^2 / (8 R).
+        let sampling = Sampling { step: fine.step.min((4.0 * radius * chord_tolerance).sqrt()), ..fine };
+        let mut missed = Self { workpiece, profile, radius, sampling, height, tips, cells: HashMap::new() };
+        for (index, tip) in missed.tips.iter().enumerate() {
+            missed.cells.entry(missed.cell(tip.tip)).or_default().push(index);
         }
-        slots
+        missed
     }
 
-    /// Runs that pass all places, but for groups of a few.
+    /// Runs that pass all tips, but for groups of a few.
     pub(super) fn runs(&self) -> Vec<Run> {
-        let mut is_passed = vec![false; self.stands.len()];
+        let mut is_passed = vec![false; self.tips.len()];
         let mut runs = Vec::new();
-        for start in 0..self.stands.len() {
+        for start in 0..self.tips.len() {
             if !is_passed[start] {
                 let before = count(&is_passed);
                 let tips = self.run_through(start, &mut is_passed);
@@ -88,16 +88,17 @@ impl<'a> Slots<'a> {
         runs
     }
 
-    /// The tips from one end of a slot to the other.
+    /// The run from a tip as far as it can go, both ways.
     fn run_through(&self, start: usize, is_passed: &mut [bool]) -> Vec<RunTip> {
         is_passed[start] = true;
-        let mut tips = vec![self.stands[start]];
+        let mut tips = vec![self.tips[start]];
         let mut begins = None;
         for _ in 0..2 {
-            let mut at = self.stands[start].tip;
+            let mut at = self.tips[start].tip;
             let mut ahead: Option<[f64; 2]> = begins.map(|[x, y]: [f64; 2]| [-x, -y]);
-            while let Some(way) = self.next(at, ahead, is_passed) {
-                let to = way[way.len() - 1].tip;
+            while let Some((next, way)) = self.next(at, ahead, is_passed) {
+                let to = self.tips[next].tip;
+                is_passed[next] = true;
                 self.pass(at, to, is_passed);
                 ahead = direction(at, to);
                 begins = begins.or(ahead);
@@ -111,10 +112,10 @@ impl<'a> Slots<'a> {
         tips
     }
 
-    /// The tips on the way to the best place ahead, without the first.
-    fn next(&self, at: [f64; 3], ahead: Option<[f64; 2]>, is_passed: &[bool]) -> Option<Vec<RunTip>> {
+    /// The best tip ahead, and the way there without its start.
+    fn next(&self, at: [f64; 3], ahead: Option<[f64; 2]>, is_passed: &[bool]) -> Option<(usize, Vec<RunTip>)> {
         let rated = |index: usize| {
-            let to = self.stands[index].tip;
+            let to = self.tips[index].tip;
             let [x, y, _] = difference(to, at);
             let distance = x.hypot(y);
             let [forward, astray] =
@@ -122,19 +123,18 @@ impl<'a> Slots<'a> {
             let is_ahead = distance > 0.0 && distance <= self.radius && forward >= distance / 2.0;
             is_ahead.then(|| (forward - ASTRAY * astray.abs(), distance, index))
         };
-        let mut places: Vec<(f64, f64, usize)> = self.near(at).filter(|index| !is_passed[*index]).filter_map(rated).collect();
+        let mut to: Vec<(f64, f64, usize)> = self.near(at).filter(|index| !is_passed[*index]).filter_map(rated).collect();
         for _ in 0..MOST_TRIES {
-            let &(_, distance, index) = places.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
-            let way = self.way(at, &self.stands[index]);
-            if way.is_some() {
-                return way;
+            let &(_, distance, index) = to.iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+            if let Some(way) = self.way(at, &self.tips[index]) {
+                return Some((index, way));
             }
-            places.retain(|place| place.1 <= NEARER * distance);
+            to.retain(|(_, other, _)| *other <= NEARER * distance);
         }
         None
     }
 
-    /// The tips straight to another place, without the first; `None` over a wall.
+    /// The tips straight to another one, without the start; `None` over a wall.
     fn way(&self, from: [f64; 3], to: &RunTip) -> Option<Vec<RunTip>> {
         let ends = [from, to.tip].map(|[x, y, _]| [x, y]);
         let tips = tips_between(&self.workpiece.drop, &self.profile, ends[0], ends[1], &self.sampling, None);
@@ -146,12 +146,12 @@ impl<'a> Slots<'a> {
         })
     }
 
-    /// Marks what the cutter finishes on its way from a tip to another, as far as stations beside the way tell.
+    /// Marks the tips on the way from one to another, and beside it.
     fn pass(&self, from: [f64; 3], to: [f64; 3], is_passed: &mut [bool]) {
         let along = difference(to, from);
         let squared = dot(along, along);
         for index in self.near(from).chain(self.near(to)) {
-            let out = difference(self.stands[index].tip, from);
+            let out = difference(self.tips[index].tip, from);
             let share = if squared > 0.0 { dot(out, along) / squared } else { 0.0 };
             let beside: [f64; 3] = std::array::from_fn(|axis| out[axis] - share * along[axis]);
             if (0.0..=1.0).contains(&share) && length(beside) <= BESIDE * self.radius {
@@ -165,7 +165,7 @@ impl<'a> Slots<'a> {
         [x, y].map(|part| (part / self.radius).floor() as i32)
     }
 
-    /// The places within a radius of a point, and some around them.
+    /// The tips within a radius of a point, and some around them.
     fn near(&self, point: [f64; 3]) -> impl Iterator<Item = usize> {
         let [x, y] = self.cell(point);
         let cells = (-1..=1).flat_map(move |dx| (-1..=1).map(move |dy| [x + dx, y + dy]));
@@ -183,14 +183,14 @@ fn direction(from: [f64; 3], to: [f64; 3]) -> Option<[f64; 2]> {
     (distance > 0.0).then(|| [x / distance, y / distance])
 }
 
-/// Whether walls stand on both sides of the tip that finishes a station.
-fn is_in_slot(workpiece: &Workpiece, profile: &Profile, station: &Station, height: f64) -> bool {
-    let room = ROOM * profile.outer_radius();
-    let is_wall = |angle: f64| {
-        let (sin, cos) = angle.sin_cos();
-        let touch = workpiece.drop.drop(profile, station.axis[0] + room * cos, station.axis[1] + room * sin, None);
-        // A steep floor is no wall.
-        touch.is_some_and(|touch| touch.height > station.tip + height + room)
-    };
-    (0_u8..4).map(|part| f64::from(part) * FRAC_PI_4).any(|angle| is_wall(angle) && is_wall(angle + std::f64::consts::PI))
+/// Whether a wall stands beside the tip that finishes a station.
+fn is_beside_wall(workpiece: &Workpiece, profile: &Profile, station: &Station, height: f64) -> bool {
+    let beside = BESIDE * profile.outer_radius();
+    let [normal_x, normal_y, normal_z] = workpiece.targets[station.place.target].normal;
+    (0_u8..8).any(|part| {
+        let (sin, cos) = (f64::from(part) * FRAC_PI_4).sin_cos();
+        let touch = workpiece.drop.drop(profile, station.axis[0] + beside * cos, station.axis[1] + beside * sin, None);
+        let on_plane = station.tip - beside * (normal_x * cos + normal_y * sin) / normal_z;
+        touch.is_some_and(|touch| touch.height > on_plane + height)
+    })
 }
