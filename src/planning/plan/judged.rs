@@ -57,18 +57,32 @@ pub(super) fn judged(
     stations.par_iter().with_min_len(64).map(of_station).collect()
 }
 
-/// From this many scallop heights on, a place is missed by a path, and from this many on, closer lines would not finish it.
+/// From this many scallop heights on, a place is missed by a path: it is no ridge between lines.
 const MISSED: f64 = 1.5;
+
+/// From this many scallop heights on, lines do not pass a place at all.
 const FAR_MISSED: f64 = 20.0;
 
-/// The stations that the cutter can reach and a path misses, each with whether closer lines could finish it; the scallop height in
-/// mm.
-pub(super) fn missed<'a>(stations: &'a [Station], judged: &'a [Judged], height: f64) -> impl Iterator<Item = (&'a Station, bool)> {
-    let is_missed = move |(station, judged): (&'a Station, &Judged)| {
+/// The share of a strip's places that lines do not pass from which on they are too far apart. Fewer are beside walls or on narrow
+/// tops, and no matter of spacing.
+const TOO_FAR_APART: f64 = 0.05;
+
+/// A station that the cutter can reach and a path misses.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MissedStation<'a> {
+    pub(super) station: &'a Station,
+    /// Whether it is far over the height of ridges.
+    pub(super) is_far: bool,
+}
+
+/// The missed stations; the scallop height in mm.
+pub(super) fn missed<'a>(stations: &'a [Station], judged: &'a [Judged], height: f64) -> Vec<MissedStation<'a>> {
+    let of_station = |(station, judged): (&'a Station, &Judged)| {
         let left = judged.left.unwrap_or(f64::INFINITY);
-        (station.lift <= height && left > MISSED * height).then_some((station, left < FAR_MISSED * height))
+        let is_missed = station.lift <= height && left > MISSED * height;
+        is_missed.then_some(MissedStation { station, is_far: left >= FAR_MISSED * height })
     };
-    stations.iter().zip(judged).filter_map(is_missed)
+    stations.iter().zip(judged).filter_map(of_station).collect()
 }
 
 /// Heights left over the area.
@@ -185,14 +199,17 @@ pub(super) fn respace(
     }
     // The height of each station of a strip, and that of the ridge beside it.
     let mut heights: Vec<Vec<[f64; 2]>> = vec![Vec::new(); lines.len() - 1];
+    let mut far_missed = vec![0_usize; lines.len() - 1];
     for (station, judged) in stations.iter().zip(judged) {
         let [_, across] = family.of_station(station);
         let strip = lines.partition_point(|line| *line <= across);
         if strip == 0 || strip == lines.len() || station.lift > height {
             continue;
         }
-        // A place that the whole strip leaves standing is no matter of spacing.
-        if let Some(left) = judged.left.filter(|left| *left < FAR_MISSED * height) {
+        let left = judged.left.unwrap_or(f64::INFINITY);
+        if left >= FAR_MISSED * height {
+            far_missed[strip - 1] += 1;
+        } else {
             let [before, after] = [lines[strip - 1], lines[strip]];
             let share = 2.0 * (across - before).min(after - across) / (after - before);
             let here = left.max(0.0) * height / (height - judged.marks).max(1e-3 * height);
@@ -201,7 +218,12 @@ pub(super) fn respace(
     }
     let factors: Vec<f64> = heights
         .iter_mut()
-        .map(|heights| {
+        .zip(far_missed)
+        .map(|(heights, far_missed)| {
+            #[expect(clippy::cast_precision_loss, reason = "thousands")]
+            if far_missed as f64 > TOO_FAR_APART * (heights.len() + far_missed) as f64 {
+                return MOST_NARROWED;
+            }
             // A thousandth of a strip's area may be over.
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);
             let [highest, ridge] = [0, 1].map(|of| at_rank(heights, place, |a, b| a[of].total_cmp(&b[of])).map(|heights| heights[of]));

@@ -56,7 +56,7 @@ const ENOUGH: f64 = 0.002;
 const UNSEEN_ENOUGH: f64 = 0.003;
 
 /// How often runs are added over what a path misses: those along one wall of a slot may miss a strip along the other.
-const MOST_FURTHER_RUNS: usize = 3;
+const MOST_FURTHER_RUNS: usize = 5;
 
 /// A station is high from this share of the scallop height on. Further places are drawn in cells around high ones; the width of a cell,
 /// in mean distances of stations.
@@ -224,11 +224,11 @@ impl Planner<'_> {
         let height = settings.scallop_height.mm();
         let whole: f64 = stations.iter().map(|station| station.place.area).sum();
         for _ in 0..MOST_FURTHER_RUNS {
-            let places: Vec<(&Station, bool)> = missed(stations, &plan.judged, height).collect();
-            if places.iter().map(|(station, _)| station.place.area).sum::<f64>() <= effort.missed * whole {
+            let missed = missed(stations, &plan.judged, height);
+            if missed.iter().map(|missed| missed.station.place.area).sum::<f64>() <= effort.missed * whole {
                 break;
             }
-            let further = Missed::of(workpiece, prepared, &places, height, CHORD_SHARE * height, stop).runs();
+            let further = Missed::of(workpiece, prepared, &missed, whole, height, CHORD_SHARE * height, stop).runs();
             if further.is_empty() {
                 break;
             }

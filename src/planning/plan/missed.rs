@@ -2,6 +2,7 @@
 //! stand, slots that leave the cutter no room, narrow tops between lines. The axes that finish the missed stations are known; a run goes
 //! from one to the next.
 
+use super::judged::MissedStation;
 use super::prepared::Prepared;
 use super::runs::{Run, RunTip, highest_step};
 use super::stations::Station;
@@ -15,6 +16,12 @@ use std::f64::consts::FRAC_PI_4;
 
 /// A wall is beside a tip up to this distance, and a run passes stations up to this distance beside it, in radii of the cutter.
 const BESIDE: f64 = 0.25;
+
+/// What rises over the tangent plane of a place by more than this share of the distance is a wall, not the curved surface.
+const WALL: f64 = 0.1;
+
+/// The share of the area that lines may not pass, walls apart, for runs to pass it. A larger one is a matter of spacing.
+const MOST_OPEN: f64 = 0.02;
 
 /// The fewest stations that are worth a run.
 const FEWEST: usize = 6;
@@ -41,27 +48,32 @@ pub(super) struct Missed<'a> {
 }
 
 impl<'a> Missed<'a> {
-    /// Missed stations, each with whether closer lines could finish it: of these, runs pass only those beside walls. Scallop height
-    /// and chord tolerance in mm.
+    /// Those of missed stations on a part with the area `whole`, as far as closer lines would not finish them; scallop height and chord
+    /// tolerance in mm.
     pub(super) fn of(
         workpiece: &'a Workpiece,
         prepared: &Prepared,
-        stations: &[(&Station, bool)],
+        stations: &[MissedStation],
+        whole: f64,
         height: f64,
         chord_tolerance: f64,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Self {
         let radius = prepared.profile.outer_radius();
         let profile = prepared.profile.widened(-0.5 * chord_tolerance.min(radius));
-        let tip_of = |&(station, is_matter_of_spacing): &(&Station, bool)| {
-            if stop() || is_matter_of_spacing && !is_beside_wall(workpiece, &prepared.profile, station, height) {
-                return None;
-            }
+        let is_beside = |missed: &&MissedStation| !stop() && is_beside_wall(workpiece, &prepared.profile, missed.station, height);
+        let (mut passed, open): (Vec<&MissedStation>, Vec<&MissedStation>) = stations.par_iter().partition(is_beside);
+        let far: Vec<&MissedStation> = open.into_iter().filter(|missed| missed.is_far).collect();
+        if far.iter().map(|missed| missed.station.place.area).sum::<f64>() <= MOST_OPEN * whole {
+            passed.extend(far);
+        }
+        let tip_of = |missed: &&MissedStation| {
+            let station = missed.station;
             let [x, y] = station.axis;
             let touch = workpiece.drop.drop(&profile, x, y, None).filter(|touch| touch.height <= station.tip + height)?;
             Some(RunTip { tip: [x, y, touch.height], target: Some(station.place.target), contact: station.place.point })
         };
-        let tips: Vec<RunTip> = stations.par_iter().filter_map(tip_of).collect();
+        let tips: Vec<RunTip> = passed.par_iter().filter_map(tip_of).collect();
         let fine = Sampling::fine(&profile, chord_tolerance);
         // The edge of a flat end that passes a wall's corner between two samples cuts it by step^2 / (8 R).
         let sampling = Sampling { step: fine.step.min((4.0 * radius * chord_tolerance).sqrt()), ..fine };
@@ -191,6 +203,6 @@ fn is_beside_wall(workpiece: &Workpiece, profile: &Profile, station: &Station, h
         let (sin, cos) = (f64::from(part) * FRAC_PI_4).sin_cos();
         let touch = workpiece.drop.drop(profile, station.axis[0] + beside * cos, station.axis[1] + beside * sin, None);
         let on_plane = station.tip - beside * (normal_x * cos + normal_y * sin) / normal_z;
-        touch.is_some_and(|touch| touch.height > on_plane + height)
+        touch.is_some_and(|touch| touch.height > on_plane + height.max(WALL * beside / normal_z))
     })
 }

@@ -171,8 +171,12 @@ impl CutterSpacing {
         // 8 h / (8 h / d^2 + determinant/both - n/body), the change divided by cos^2(S); numerator and denominator are
         // multiplied by d^2 both body.
         let (heights, product) = (self.eight_heights, both * body);
-        let rise = (determinant * body - n * both) * tangent.per_cos * tangent.per_cos;
-        let curvature = heights * product + rise * on_plane;
+        let squared_per_cos = tangent.per_cos * tangent.per_cos;
+        let rise = (determinant * body - n * both) * squared_per_cos;
+        // Where a sharp corner runs along level lines the second order has far narrower spacings than the corner leaves: there the
+        // curvature changes the spacing by the share by which it changes that of the second order.
+        let of_second_order = heights * body / (n * squared_per_cos);
+        let curvature = heights * product + rise * on_plane.min(of_second_order);
         if curvature > 0.0 { heights * on_plane * product / curvature } else { self.widest_squared }
     }
 }
