@@ -167,6 +167,29 @@ pub(crate) fn round_pocket() -> Vec<Facet> {
     (0..count).map(|index| [index, (index + 1) % count]).flat_map(between).collect()
 }
 
+/// A closed groove 4 mm deep around a middle, with this mean radius and width.
+pub(crate) fn ring_groove(radius: f64, width: f64) -> Vec<Facet> {
+    let count = 180;
+    let rim = |index: u32, radius: f64, z: f64| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(index) / f64::from(count)).sin_cos();
+        [radius * cos, radius * sin, z]
+    };
+    let [inner, outer] = [radius - width / 2.0, radius + width / 2.0];
+    let outline = [[0.0, 4.0], [inner, 4.0], [inner, 0.0], [outer, 0.0], [outer, 4.0], [outer + 8.0, 4.0]];
+    let between = |[a, b]: [u32; 2]| {
+        let strip = move |ends: &[[f64; 2]]| {
+            let [[from, low], [to, high]] = [ends[0], ends[1]];
+            quadrilateral([rim(a, from, low), rim(a, to, high), rim(b, to, high), rim(b, from, low)])
+        };
+        outline.windows(2).flat_map(strip).collect::<Vec<_>>()
+    };
+    (0..count)
+        .map(|index| [index, (index + 1) % count])
+        .flat_map(between)
+        .filter(|facet| facet[0] != facet[1] && facet[2] != facet[0])
+        .collect()
+}
+
 /// A profile of straight lines along x, each point with its height, over a width of `width` mm along y.
 pub(crate) fn profile(points: &[[f64; 2]], width: f64) -> Vec<Facet> {
     let quad = |pair: &[[f64; 2]]| {

@@ -1,7 +1,9 @@
 //! Plans judged by an independent simulator of the swept solid: what their paths leave on parts with floors, walls, fillets,
 //! edges and holes, for flat-end, toroidal and ball-end cutters.
 
-use super::parts::{blade, cavity, cone_on_floor, dome_on_flange, field, fillet_wall, holes, plate, profile, relief, round_pocket, steps};
+use super::parts::{
+    blade, cavity, cone_on_floor, dome_on_flange, field, fillet_wall, holes, plate, profile, relief, ring_groove, round_pocket, steps,
+};
 use super::surfaces::{Facet, cross, dot, minus, placed, unit};
 use super::{in_direction, mm, ranked_on, settings, workpiece};
 use crate::simulation::random::Random;
@@ -317,6 +319,30 @@ fn stairs_narrower_than_the_cutter() {
     keeps_the_tolerance("narrow stairs", &part, &[flat(6.0), bull_nose(6.0, 0.5)]);
 }
 
+/// A ledge under a fifth of the cutter's radius, and a post whose top lines miss.
+#[test]
+fn a_sliver_and_a_post() {
+    let sliver = steps(&[0.0, 0.8, 28.0, 28.8], &[0.0, 15.0], &[&[0.0], &[8.0], &[0.0]]);
+    keeps_the_tolerance("sliver", &sliver, &[flat(10.0), bull_nose(10.0, 0.5)]);
+    let post = steps(&[0.0, 12.0, 12.8, 24.0], &[0.0, 10.0, 14.0, 24.0], &[&[0.0; 3], &[0.0, 6.0, 0.0], &[0.0; 3]]);
+    keeps_the_tolerance("post", &post, &[flat(10.0), bull_nose(8.0, 0.5)]);
+}
+
+/// The axis can stand only on the middle line of the slot, or in a strip of a few hundredths.
+#[test]
+fn slots_as_wide_as_the_cutter() {
+    for width in [8.0, 8.002, 8.02, 8.1] {
+        let part = steps(&[0.0, 20.0, 20.0 + width, 40.0], &[0.0, 30.0], &[&[5.0], &[0.0], &[5.0]]);
+        keeps_the_tolerance("slot", &part, &[flat(8.0), bull_nose(8.0, 0.5)]);
+    }
+}
+
+/// A closed groove, in which no line is straight.
+#[test]
+fn a_ring_groove_as_wide_as_the_cutter() {
+    keeps_the_tolerance("ring groove", &ring_groove(12.0, 6.02), &[flat(6.0), bull_nose(6.0, 1.0)]);
+}
+
 /// Over a ledge as wide as the cutter's radius the axis can stand nowhere but on its edge.
 #[test]
 fn a_ledge_as_wide_as_the_radius() {
@@ -421,11 +447,19 @@ fn a_relief_by_a_tapered_ball() {
 /// slope.
 #[test]
 fn the_side_of_a_blade_by_a_conical_barrel() {
-    let side = |x: f64, y: f64| 70_f64.to_radians().tan() * x + 0.01 * (y - 10.0).powi(2);
+    let side = |x: f64, y: f64| 69_f64.to_radians().tan() * x + 0.01 * (y - 10.0).powi(2);
     let facets = field([5.0, 20.0], 0.25, side);
     let barrel = Cutter::conical_barrel(mm(10.0), mm(2.0), mm(80.0), degrees(20.0)).unwrap();
     keeps_the_tolerance("blade's side", &facets, &[barrel]);
     is_faster_than(&facets, barrel, ball(10.0), 0.5);
+}
+
+/// Half a degree steeper than its arc, the sharp end of the barrel cuts.
+#[test]
+fn a_side_steeper_than_the_arc_of_a_conical_barrel() {
+    let side = |x: f64, y: f64| 70.5_f64.to_radians().tan() * x + 0.01 * (y - 10.0).powi(2);
+    let barrel = Cutter::conical_barrel(mm(10.0), mm(2.0), mm(80.0), degrees(20.0)).unwrap();
+    keeps_the_tolerance("steep side", &field([5.0, 20.0], 0.25, side), &[barrel]);
 }
 
 /// A lens beside a bull nose of its diameter and corner in a shallow mould.
@@ -445,6 +479,7 @@ fn is_faster_than(facets: &[Facet], cutter: Cutter, other: Cutter, share: f64) {
     let times = ranking.plans.iter().map(|plan| (plan.candidate, plan.time.seconds())).collect::<Vec<_>>();
     println!("{times:?}");
     assert_eq!(times[0].0, 1);
+    assert!(ranking.plans[0].milled.is_some_and(|milled| milled.finish.over_tolerance_share <= 0.005), "{times:?}");
     assert!(times.len() == 1 || times[0].1 < share * times[1].1, "{times:?}");
 }
 
