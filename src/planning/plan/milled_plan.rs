@@ -55,8 +55,9 @@ const ENOUGH: f64 = 0.002;
 /// The share up to which it counts as kept on stations on which lines were not spaced.
 const UNSEEN_ENOUGH: f64 = 0.003;
 
-/// How often runs are added over what a path misses: those along one wall of a slot may miss a strip along the other.
-const MOST_FURTHER_RUNS: usize = 5;
+/// Runs over what a path misses are added in steps, each with the distance from walls in radii of the cutter: first against walls, then
+/// beside them. After each step what is still missed is known.
+const FURTHER_RUNS: [f64; 5] = [0.02, 0.02, 0.25, 0.25, 0.25];
 
 /// A station is high from this share of the scallop height on. Further places are drawn in cells around high ones; the width of a cell,
 /// in mean distances of stations.
@@ -223,17 +224,16 @@ impl Planner<'_> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let whole: f64 = stations.iter().map(|station| station.place.area).sum();
-        for _ in 0..MOST_FURTHER_RUNS {
+        for beside in FURTHER_RUNS {
             let missed = missed(stations, &plan.judged, height);
             if missed.iter().map(|missed| missed.station.place.area).sum::<f64>() <= effort.missed * whole {
                 break;
             }
-            let further = Missed::of(workpiece, prepared, &missed, whole, height, CHORD_SHARE * height, stop).runs();
-            if further.is_empty() {
-                break;
+            let further = Missed::of(workpiece, prepared, &missed, whole, beside, height, CHORD_SHARE * height, stop).runs();
+            if !further.is_empty() {
+                runs.extend(further);
+                plan = self.judged_plan(stations, plan.family, &plan.lines, &runs)?;
             }
-            runs.extend(further);
-            plan = self.judged_plan(stations, plan.family, &plan.lines, &runs)?;
         }
         Ok(plan)
     }

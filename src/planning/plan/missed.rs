@@ -14,9 +14,6 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
 
-/// A wall is beside a tip up to this distance, and a run passes stations up to this distance beside it, in radii of the cutter.
-const BESIDE: f64 = 0.25;
-
 /// What rises over the tangent plane of a place by more than this share of the distance is a wall, not the curved surface.
 const WALL: f64 = 0.1;
 
@@ -28,6 +25,9 @@ const FEWEST: usize = 6;
 
 /// What each mm beside the way straight on counts against a tip ahead: along straight walls runs are straight.
 const ASTRAY: f64 = 3.0;
+
+/// Tips closer than this many mm are the same.
+const SAME: f64 = 1e-9;
 
 /// Where the cutter cannot go straight to the best tip ahead, one within this share of its distance is tried, so many times.
 const NEARER: f64 = 0.6;
@@ -43,25 +43,30 @@ pub(super) struct Missed<'a> {
     /// The scallop height in mm: the largest step of a run.
     height: f64,
     tips: Vec<RunTip>,
+    /// A run passes tips up to this distance in mm beside it.
+    beside: f64,
     /// The positions of tips by squares of the cutter's radius.
     cells: HashMap<[i32; 2], Vec<usize>>,
 }
 
 impl<'a> Missed<'a> {
-    /// Those of missed stations on a part with the area `whole`, as far as closer lines would not finish them; scallop height and chord
-    /// tolerance in mm.
+    /// Those of missed stations on a part with the area `whole`, as far as closer lines would not finish them: those with a wall at the
+    /// distance `beside`, in radii of the cutter, and what lines do not pass at all if that is little. Scallop height and chord tolerance
+    /// in mm.
     pub(super) fn of(
         workpiece: &'a Workpiece,
         prepared: &Prepared,
         stations: &[MissedStation],
         whole: f64,
+        beside: f64,
         height: f64,
         chord_tolerance: f64,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Self {
         let radius = prepared.profile.outer_radius();
         let profile = prepared.profile.widened(-0.5 * chord_tolerance.min(radius));
-        let is_beside = |missed: &&MissedStation| !stop() && is_beside_wall(workpiece, &prepared.profile, missed.station, height);
+        let beside = beside * radius;
+        let is_beside = |missed: &&MissedStation| !stop() && is_beside_wall(workpiece, &prepared.profile, missed.station, beside, height);
         let (mut passed, open): (Vec<&MissedStation>, Vec<&MissedStation>) = stations.par_iter().partition(is_beside);
         let far: Vec<&MissedStation> = open.into_iter().filter(|missed| missed.is_far).collect();
         if far.iter().map(|missed| missed.station.place.area).sum::<f64>() <= MOST_OPEN * whole {
@@ -77,7 +82,7 @@ impl<'a> Missed<'a> {
         let fine = Sampling::fine(&profile, chord_tolerance);
         // The edge of a flat end that passes a wall's corner between two samples cuts it by step^2 / (8 R).
         let sampling = Sampling { step: fine.step.min((4.0 * radius * chord_tolerance).sqrt()), ..fine };
-        let mut missed = Self { workpiece, profile, radius, sampling, height, tips, cells: HashMap::new() };
+        let mut missed = Self { workpiece, profile, radius, sampling, height, tips, beside, cells: HashMap::new() };
         for (index, tip) in missed.tips.iter().enumerate() {
             missed.cells.entry(missed.cell(tip.tip)).or_default().push(index);
         }
@@ -104,16 +109,18 @@ impl<'a> Missed<'a> {
     fn run_through(&self, start: usize, is_passed: &mut [bool]) -> Vec<RunTip> {
         is_passed[start] = true;
         let mut tips = vec![self.tips[start]];
-        let mut begins = None;
-        for _ in 0..2 {
+        // Towards the nearest tip, which is along a wall, and away from it.
+        let distance = |index: &usize| length(difference(self.tips[*index].tip, tips[0].tip));
+        let others = self.near(tips[0].tip).filter(|index| !is_passed[*index] && distance(index) > SAME);
+        let Some(nearest) = others.min_by(|a, b| distance(a).total_cmp(&distance(b))) else { return tips };
+        let [x, y] = direction(tips[0].tip, self.tips[nearest].tip);
+        for mut ahead in [[x, y], [-x, -y]] {
             let mut at = self.tips[start].tip;
-            let mut ahead: Option<[f64; 2]> = begins.map(|[x, y]: [f64; 2]| [-x, -y]);
             while let Some((next, way)) = self.next(at, ahead, is_passed) {
                 let to = self.tips[next].tip;
                 is_passed[next] = true;
                 self.pass(at, to, is_passed);
                 ahead = direction(at, to);
-                begins = begins.or(ahead);
                 tips.extend(way);
                 at = to;
             }
@@ -125,14 +132,13 @@ impl<'a> Missed<'a> {
     }
 
     /// The best tip ahead, and the way there without its start.
-    fn next(&self, at: [f64; 3], ahead: Option<[f64; 2]>, is_passed: &[bool]) -> Option<(usize, Vec<RunTip>)> {
+    fn next(&self, at: [f64; 3], ahead: [f64; 2], is_passed: &[bool]) -> Option<(usize, Vec<RunTip>)> {
         let rated = |index: usize| {
             let to = self.tips[index].tip;
             let [x, y, _] = difference(to, at);
             let distance = x.hypot(y);
-            let [forward, astray] =
-                ahead.map_or([distance, 0.0], |[along_x, along_y]| [x * along_x + y * along_y, x * along_y - y * along_x]);
-            let is_ahead = distance > 0.0 && distance <= self.radius && forward >= distance / 2.0;
+            let [forward, astray] = [x * ahead[0] + y * ahead[1], x * ahead[1] - y * ahead[0]];
+            let is_ahead = distance > SAME && distance <= self.radius && forward >= distance / 2.0;
             is_ahead.then(|| (forward - ASTRAY * astray.abs(), distance, index))
         };
         let mut to: Vec<(f64, f64, usize)> = self.near(at).filter(|index| !is_passed[*index]).filter_map(rated).collect();
@@ -165,8 +171,8 @@ impl<'a> Missed<'a> {
         for index in self.near(from).chain(self.near(to)) {
             let out = difference(self.tips[index].tip, from);
             let share = if squared > 0.0 { dot(out, along) / squared } else { 0.0 };
-            let beside: [f64; 3] = std::array::from_fn(|axis| out[axis] - share * along[axis]);
-            if (0.0..=1.0).contains(&share) && length(beside) <= BESIDE * self.radius {
+            let off: [f64; 3] = std::array::from_fn(|axis| out[axis] - share * along[axis]);
+            if (0.0..=1.0).contains(&share) && length(off) <= self.beside {
                 is_passed[index] = true;
             }
         }
@@ -189,15 +195,15 @@ fn count(is_passed: &[bool]) -> usize {
     is_passed.iter().filter(|passed| **passed).count()
 }
 
-fn direction(from: [f64; 3], to: [f64; 3]) -> Option<[f64; 2]> {
+/// The direction from a tip to another one, seen from above.
+fn direction(from: [f64; 3], to: [f64; 3]) -> [f64; 2] {
     let [x, y, _] = difference(to, from);
-    let distance = x.hypot(y);
-    (distance > 0.0).then(|| [x / distance, y / distance])
+    let distance = x.hypot(y).max(SAME);
+    [x / distance, y / distance]
 }
 
-/// Whether a wall stands beside the tip that finishes a station.
-fn is_beside_wall(workpiece: &Workpiece, profile: &Profile, station: &Station, height: f64) -> bool {
-    let beside = BESIDE * profile.outer_radius();
+/// Whether a wall stands at a distance beside the tip that finishes a station.
+fn is_beside_wall(workpiece: &Workpiece, profile: &Profile, station: &Station, beside: f64, height: f64) -> bool {
     let [normal_x, normal_y, normal_z] = workpiece.targets[station.place.target].normal;
     (0_u8..8).any(|part| {
         let (sin, cos) = (f64::from(part) * FRAC_PI_4).sin_cos();
