@@ -73,14 +73,17 @@ pub(super) struct MissedStation<'a> {
     pub(super) station: &'a Station,
     /// Whether it is far over the height of ridges.
     pub(super) is_far: bool,
+    /// Its share of the area of all stations.
+    pub(super) share: f64,
 }
 
 /// The missed stations; the scallop height in mm.
 pub(super) fn missed<'a>(stations: &'a [Station], judged: &'a [Judged], height: f64) -> Vec<MissedStation<'a>> {
+    let whole = stations.iter().map(|station| station.place.area).sum::<f64>().max(f64::MIN_POSITIVE);
     let of_station = |(station, judged): (&'a Station, &Judged)| {
         let left = judged.left.unwrap_or(f64::INFINITY);
         let is_missed = station.lift <= height && left > MISSED * height;
-        is_missed.then_some(MissedStation { station, is_far: left >= FAR_MISSED * height })
+        is_missed.then_some(MissedStation { station, is_far: left >= FAR_MISSED * height, share: station.place.area / whole })
     };
     stations.iter().zip(judged).filter_map(of_station).collect()
 }

@@ -223,13 +223,12 @@ impl Planner<'_> {
     ) -> Result<MilledPlan, NoPlan> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
-        let whole: f64 = stations.iter().map(|station| station.place.area).sum();
         for beside in FURTHER_RUNS {
             let missed = missed(stations, &plan.judged, height);
-            if missed.iter().map(|missed| missed.station.place.area).sum::<f64>() <= effort.missed * whole {
+            if missed.iter().map(|missed| missed.share).sum::<f64>() <= effort.missed {
                 break;
             }
-            let further = Missed::of(workpiece, prepared, &missed, whole, beside, height, CHORD_SHARE * height, stop).runs();
+            let further = Missed::of(workpiece, prepared, &missed, beside, height, CHORD_SHARE * height, stop).runs();
             if !further.is_empty() {
                 runs.extend(further);
                 plan = self.judged_plan(stations, plan.family, &plan.lines, &runs)?;

@@ -50,14 +50,12 @@ pub(super) struct Missed<'a> {
 }
 
 impl<'a> Missed<'a> {
-    /// Those of missed stations on a part with the area `whole`, as far as closer lines would not finish them: those with a wall at the
-    /// distance `beside`, in radii of the cutter, and what lines do not pass at all if that is little. Scallop height and chord tolerance
-    /// in mm.
+    /// Those of missed stations that closer lines would not finish: those with a wall at the distance `beside`, in radii of the cutter,
+    /// and what lines do not pass at all if that is little. Scallop height and chord tolerance in mm.
     pub(super) fn of(
         workpiece: &'a Workpiece,
         prepared: &Prepared,
         stations: &[MissedStation],
-        whole: f64,
         beside: f64,
         height: f64,
         chord_tolerance: f64,
@@ -69,7 +67,7 @@ impl<'a> Missed<'a> {
         let is_beside = |missed: &&MissedStation| !stop() && is_beside_wall(workpiece, &prepared.profile, missed.station, beside, height);
         let (mut passed, open): (Vec<&MissedStation>, Vec<&MissedStation>) = stations.par_iter().partition(is_beside);
         let far: Vec<&MissedStation> = open.into_iter().filter(|missed| missed.is_far).collect();
-        if far.iter().map(|missed| missed.station.place.area).sum::<f64>() <= MOST_OPEN * whole {
+        if far.iter().map(|missed| missed.share).sum::<f64>() <= MOST_OPEN {
             passed.extend(far);
         }
         let tip_of = |missed: &&MissedStation| {
