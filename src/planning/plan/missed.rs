@@ -36,7 +36,7 @@ const MOST_TRIES: usize = 12;
 /// The tips that finish what a path misses.
 pub(super) struct Missed<'a> {
     workpiece: &'a Workpiece,
-    /// The cutter less half of the chord tolerance on all sides: it fits into a slot as wide as the cutter.
+    /// The cutter with a flat narrower by half of the chord tolerance on all sides: it fits into a slot as wide as the cutter.
     profile: Profile,
     radius: f64,
     sampling: Sampling,
@@ -62,7 +62,8 @@ impl<'a> Missed<'a> {
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Self {
         let radius = prepared.profile.outer_radius();
-        let profile = prepared.profile.widened(-0.5 * chord_tolerance.min(radius));
+        let flat = prepared.profile.arcs()[0].point(0.0).0.max(0.0);
+        let profile = prepared.profile.widened(-0.5 * chord_tolerance.min(flat));
         let beside = beside * radius;
         let is_beside = |missed: &&MissedStation| !stop() && is_beside_wall(workpiece, &prepared.profile, missed.station, beside, height);
         let (mut passed, open): (Vec<&MissedStation>, Vec<&MissedStation>) = stations.par_iter().partition(is_beside);
