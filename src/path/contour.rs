@@ -24,7 +24,7 @@ pub struct Contour {
 /// The part of the plan view in which curves are sought, and the side of the raster's cells, in mm.
 ///
 /// A region or a gap that has no node of the raster is not found. Curves that leave the area are open and end at its
-/// border. A search takes a byte for each node, a [`LevelMap`] eight.
+/// border. A [`LevelMap`] takes eight bytes for each node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Area {
     /// The least x and y.
@@ -59,7 +59,8 @@ impl<'a> LevelMap<'a> {
     }
 
     /// The curves T(x, y) = z for each of the levels z in mm, as borders of the region in which a tip at the height z cuts
-    /// nothing. Tolerance and `stop` as in [`borders`].
+    /// nothing. Their tips are inside, within a hundredth of the tolerance (over 0) of the border; chords leave the inside by at most
+    /// the tolerance, and keep within it of the border. If `stop` returns true the result is incomplete and to be discarded.
     #[must_use]
     pub fn waterlines(&self, levels: &[f64], tolerance: f64, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Vec<Contour>> {
         let of_level = |&level: &f64| {

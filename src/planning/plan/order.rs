@@ -40,7 +40,7 @@ impl Leg {
 /// The runs in an order with few lifts: from each run to the one on a neighbouring line whose end is nearest and within `near` mm, ahead
 /// before behind; where there is none, to the nearest end of all. One way, every run begins at its first tip.
 ///
-/// `runs` are sorted by line; runs along borders, without a line, follow.
+/// `runs` are sorted by line; runs over what lines miss, without a line, follow.
 pub(super) fn in_order(runs: &[Run], pattern: Pattern, near: f64) -> Vec<Leg> {
     let mut order = Vec::with_capacity(runs.len());
     if runs.is_empty() {

@@ -19,10 +19,10 @@ pub(super) struct RunTip {
     pub(super) contact: [f64; 3],
 }
 
-/// A run: tips from one end to the other along a line, or along a border.
+/// A run: tips from one end to the other along a line, or over what lines miss.
 #[derive(Debug, Clone)]
 pub(super) struct Run {
-    /// The position of its line; runs along borders have none.
+    /// The position of its line; runs over what lines miss have none.
     pub(super) line: Option<usize>,
     pub(super) tips: Vec<RunTip>,
     /// Whether the last tip is joined to the first, which is not repeated.
