@@ -60,11 +60,11 @@ pub(super) fn judged(
 /// From this many scallop heights on, a place is missed by a path: it is no ridge between lines.
 const MISSED: f64 = 1.5;
 
-/// From this many scallop heights on, lines do not pass a place at all.
+/// From this many scallop heights on, a place is far missed: lines do not pass it at all.
 const FAR_MISSED: f64 = 20.0;
 
-/// The share of a strip's places that lines do not pass from which on they are too far apart. Fewer are beside walls or on narrow
-/// tops, and no matter of spacing.
+/// Where more than this share of a strip's places is far missed, its lines are too far apart. Fewer are beside walls or on narrow
+/// tops, which closer lines would not finish.
 const TOO_FAR_APART: f64 = 0.05;
 
 /// A station that the cutter can reach and a path misses.
@@ -184,8 +184,8 @@ const NEAR_THE_RIDGE: f64 = 0.85;
 const OFF_THE_RIDGE: f64 = 2.0;
 
 /// Changes the spacings that lines may have so that the height left between them becomes the scallop height: the height
-/// grows with the square of the spacing. Stations that no line can reach in their strip do not count. A station beside the
-/// ridge counts for the ridge, whose height is larger by the square of the distances from the line, up to what n places can
+/// grows with the square of the spacing. Stations that the cutter cannot reach do not count, nor do far missed ones if they are
+/// few. A station beside the ridge counts for the ridge, whose height is larger by the square of the distances from the line, up to what n places can
 /// have missed: the highest of a few random places alone is too low, by chance more or less, but on coarse facets ridges are not
 /// parabolas. `margin` multiplies all spacings.
 pub(super) fn respace(

@@ -17,7 +17,8 @@ use std::f64::consts::FRAC_PI_4;
 /// What rises over the tangent plane of a place by more than this share of the distance is a wall, not the curved surface.
 const WALL: f64 = 0.1;
 
-/// The share of the area that lines may not pass, walls apart, for runs to pass it. A larger one is a matter of spacing.
+/// The largest share of the area, without what is beside walls, that is far missed and finished by runs. More is finished by closer
+/// lines.
 const MOST_OPEN: f64 = 0.02;
 
 /// The fewest stations that are worth a run.
@@ -51,7 +52,7 @@ pub(super) struct Missed<'a> {
 
 impl<'a> Missed<'a> {
     /// Those of missed stations that closer lines would not finish: those with a wall at the distance `beside`, in radii of the cutter,
-    /// and what lines do not pass at all if that is little. Scallop height and chord tolerance in mm.
+    /// and, if they are few, those that are far missed. Scallop height and chord tolerance in mm.
     pub(super) fn of(
         workpiece: &'a Workpiece,
         prepared: &Prepared,
@@ -94,9 +95,8 @@ impl<'a> Missed<'a> {
         let mut runs = Vec::new();
         for start in 0..self.tips.len() {
             if !is_passed[start] {
-                let before = count(&is_passed);
-                let tips = self.run_through(start, &mut is_passed);
-                if count(&is_passed) - before >= FEWEST {
+                let (tips, passed) = self.run_through(start, &mut is_passed);
+                if passed >= FEWEST {
                     runs.push(Run::along_curve(None, tips, false));
                 }
             }
@@ -104,30 +104,31 @@ impl<'a> Missed<'a> {
         runs
     }
 
-    /// The run from a tip as far as it can go, both ways.
-    fn run_through(&self, start: usize, is_passed: &mut [bool]) -> Vec<RunTip> {
+    /// The run from a tip as far as it can go, both ways, and how many tips it passes.
+    fn run_through(&self, start: usize, is_passed: &mut [bool]) -> (Vec<RunTip>, usize) {
         is_passed[start] = true;
+        let mut passed = 1;
         let mut tips = vec![self.tips[start]];
         // Towards the nearest tip, which is along a wall, and away from it.
         let distance = |index: &usize| length(difference(self.tips[*index].tip, tips[0].tip));
         let others = self.near(tips[0].tip).filter(|index| !is_passed[*index] && distance(index) > SAME);
-        let Some(nearest) = others.min_by(|a, b| distance(a).total_cmp(&distance(b))) else { return tips };
+        let Some(nearest) = others.min_by(|a, b| distance(a).total_cmp(&distance(b))) else { return (tips, passed) };
         let [x, y] = direction(tips[0].tip, self.tips[nearest].tip);
         for mut ahead in [[x, y], [-x, -y]] {
             let mut at = self.tips[start].tip;
             while let Some((next, way)) = self.next(at, ahead, is_passed) {
                 let to = self.tips[next].tip;
                 is_passed[next] = true;
-                self.pass(at, to, is_passed);
+                passed += 1 + self.pass(at, to, is_passed);
                 ahead = direction(at, to);
                 tips.extend(way);
                 at = to;
             }
-            self.pass(at, at, is_passed);
+            passed += self.pass(at, at, is_passed);
             // What lies on the other side of the start comes before it.
             tips.reverse();
         }
-        tips
+        (tips, passed)
     }
 
     /// The best tip ahead, and the way there without its start.
@@ -163,18 +164,21 @@ impl<'a> Missed<'a> {
         })
     }
 
-    /// Marks the tips on the way from one to another, and beside it.
-    fn pass(&self, from: [f64; 3], to: [f64; 3], is_passed: &mut [bool]) {
+    /// Marks the tips on the way from one to another, and beside it, and counts those that were not marked.
+    fn pass(&self, from: [f64; 3], to: [f64; 3], is_passed: &mut [bool]) -> usize {
+        let mut passed = 0;
         let along = difference(to, from);
         let squared = dot(along, along);
         for index in self.near(from).chain(self.near(to)) {
             let out = difference(self.tips[index].tip, from);
             let share = if squared > 0.0 { dot(out, along) / squared } else { 0.0 };
             let off: [f64; 3] = std::array::from_fn(|axis| out[axis] - share * along[axis]);
-            if (0.0..=1.0).contains(&share) && length(off) <= self.beside {
+            if !is_passed[index] && (0.0..=1.0).contains(&share) && length(off) <= self.beside {
                 is_passed[index] = true;
+                passed += 1;
             }
         }
+        passed
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "extents over radii are under 2^31")]
@@ -188,10 +192,6 @@ impl<'a> Missed<'a> {
         let cells = (-1..=1).flat_map(move |dx| (-1..=1).map(move |dy| [x + dx, y + dy]));
         cells.filter_map(|cell| self.cells.get(&cell)).flatten().copied()
     }
-}
-
-fn count(is_passed: &[bool]) -> usize {
-    is_passed.iter().filter(|passed| **passed).count()
 }
 
 /// The direction from a tip to another one, seen from above.
