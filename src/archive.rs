@@ -4,6 +4,7 @@
 //! An entry is decompressed while it is read. Every decompressed byte counts towards one limit of the whole archive, so
 //! that overlapping or repeated entries cannot exceed it.
 
+use crate::file_fault::{FileFaultKind, Flaw};
 use std::fmt;
 use std::io::{self, Cursor, Read};
 use zip::ZipArchive;
@@ -50,10 +51,14 @@ impl fmt::Display for ArchiveFault {
 
 impl std::error::Error for ArchiveFault {}
 
-impl ArchiveFault {
-    /// Whether a limit was exceeded; otherwise the format is violated.
-    pub(crate) fn is_limit(&self) -> bool {
-        matches!(self, Self::TooManyEntries(_) | Self::LongName | Self::TooLarge(_))
+impl From<&ArchiveFault> for Flaw {
+    fn from(fault: &ArchiveFault) -> Self {
+        let kind = match fault {
+            ArchiveFault::TooManyEntries(_) | ArchiveFault::LongName | ArchiveFault::TooLarge(_) => FileFaultKind::TooLarge,
+            ArchiveFault::Damaged(_) => FileFaultKind::Malformed,
+            ArchiveFault::Unsupported(_) => FileFaultKind::UnknownFormat,
+        };
+        Self::new(kind, "a ZIP archive within its limits", fault.to_string())
     }
 }
 

@@ -94,6 +94,7 @@
 mod archive;
 pub mod budget;
 pub mod cancellation;
+pub mod file_fault;
 pub mod health;
 pub mod http;
 mod json;

@@ -3,7 +3,8 @@
 #[path = "memory.rs"]
 mod memory;
 
-use scallopd::surface::read::{FileFault, FormatHint, ReadError, Reader, ReadSummary};
+use scallopd::file_fault::FileFault;
+use scallopd::surface::read::{FormatHint, ReadError, Reader, ReadSummary};
 use scallopd::surface::{LARGEST_COORDINATE, Sink};
 use std::io::Read;
 

@@ -3,7 +3,7 @@
 //! A handler or layer that fails returns a [`Problem`], or a response with an error status and any body. The outermost
 //! layer, in which path and request id are known, turns both into `application/problem+json` by [`describe_error`].
 
-use super::codes::{Code, CodeFamily, FaultCode, FileFault, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
+use super::codes::{Code, CodeFamily, FaultCode, FileFaultCode, NoAnswerCode, ProblemFigure, ProblemType, ServiceProblem};
 use super::reading::{Fault, Faults};
 use super::request_id::RequestId;
 use super::wire::NotRanked;
@@ -157,7 +157,7 @@ impl Problem {
 fn type_of(code: FaultCode) -> ProblemType {
     match code {
         FaultCode::RequestFault(_) => ServiceProblem::InvalidRequest.into(),
-        FaultCode::FileFault(code) => code.into(),
+        FaultCode::FileFaultCode(code) => code.into(),
         FaultCode::NoAnswerCode(code) => code.into(),
     }
 }
@@ -330,7 +330,7 @@ pub(crate) fn schemas() -> Vec<(String, RefOr<Schema>)> {
         schemas.push((name, schema.into()));
     };
     let of_files =
-        FileFault::ALL.iter().filter(|fault| fault.entry().status == Some(StatusCode::UNPROCESSABLE_ENTITY)).map(|fault| fault.name());
+        FileFaultCode::ALL.iter().filter(|fault| fault.entry().status == Some(StatusCode::UNPROCESSABLE_ENTITY)).map(|fault| fault.name());
     let mut plain: Vec<_> = std::iter::once(ServiceProblem::InvalidRequest.name()).chain(of_files).collect();
     for code in NoAnswerCode::ALL {
         match code.figures() {

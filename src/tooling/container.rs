@@ -1,9 +1,10 @@
 //! Detects the format of a library file by its content, and reads the files of a zip.
 
-use super::library_fault::{LibraryFault, LibraryFaultKind, LibraryFaults, LibraryFlaw, quoted};
+use super::library_fault::{LibraryFaults, json_flaw};
 use super::{ToolLibrary, ToolPlace, csv, freecad, fusion};
-use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
+use crate::archive::{Archive, ArchiveLimits};
 use crate::cancellation::CancelFlag;
+use crate::file_fault::{FileFault, FileFaultKind, Flaw, quoted};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;
@@ -20,7 +21,7 @@ const EXPECTED: &str = "a tool library: JSON of Fusion or FreeCAD, a zip of them
 /// Reads a library of any format. Once `cancel` is set, it returns early.
 pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
     if bytes.len() > LARGEST {
-        let flaw = LibraryFlaw::too_large(format!("a file of at most {LARGEST} bytes"), format!("{} bytes", bytes.len()));
+        let flaw = Flaw::too_large(format!("a file of at most {LARGEST} bytes"), format!("{} bytes", bytes.len()));
         return Err(flaw.in_file(file).into());
     }
     if Archive::is_archive(bytes) {
@@ -29,7 +30,7 @@ pub(super) fn read(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: 
         read_plain(bytes, file, None, library, cancel)?;
     }
     if library.count() == 0 {
-        return Err(LibraryFlaw::new(LibraryFaultKind::Empty, "a tool", "none").in_file(file).into());
+        return Err(Flaw::new(FileFaultKind::Empty, "a tool", "none").in_file(file).into());
     }
     Ok(())
 }
@@ -45,11 +46,11 @@ struct Members<'a> {
 }
 
 impl<'a> Members<'a> {
-    fn of(text: &'a str) -> Result<Self, LibraryFlaw> {
-        let flaw = |error| LibraryFlaw::json(EXPECTED, &error);
+    fn of(text: &'a str) -> Result<Self, Flaw> {
+        let flaw = |error| json_flaw(EXPECTED, &error);
         if text.trim_start().starts_with('[') {
             let _syntax: IgnoredAny = serde_json::from_str(text).map_err(flaw)?;
-            return Err(LibraryFlaw::malformed(EXPECTED, "an array"));
+            return Err(Flaw::malformed(EXPECTED, "an array"));
         }
         serde_json::from_str(text).map_err(flaw)
     }
@@ -57,8 +58,7 @@ impl<'a> Members<'a> {
 
 /// Reads a file that is not an archive. `number` is the tool's number in a list of FreeCAD.
 fn read_plain(bytes: &[u8], file: &str, number: Option<u32>, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
-    let unknown =
-        |found: &'static str| LibraryFaults::from(LibraryFlaw::new(LibraryFaultKind::UnknownFormat, EXPECTED, found).in_file(file));
+    let unknown = |found: &'static str| LibraryFaults::from(Flaw::new(FileFaultKind::UnknownFormat, EXPECTED, found).in_file(file));
     let text = decoded(bytes, cancel).map_err(unknown)?;
     if !text.trim_start().starts_with(['{', '[']) {
         return csv::read(&text, file, library, cancel);
@@ -93,7 +93,7 @@ impl Listed {
         for name in lists {
             has_lists = true;
             let list = path(&name);
-            let content = archive.content(&name).map_err(|fault| flaw(&fault).in_file(&list));
+            let content = archive.content(&name).map_err(|fault| Flaw::from(&fault).in_file(&list));
             match content.and_then(|content| freecad::read_list(&content, &list)) {
                 Ok(tools) => listed.add(tools, &list)?,
                 Err(fault) => faults.push(fault),
@@ -102,10 +102,10 @@ impl Listed {
         LibraryFaults::of_files(faults).map_or(Ok(has_lists.then_some(listed)), Err)
     }
 
-    fn add(&mut self, tools: Vec<freecad::ListedTool>, list: &str) -> Result<(), LibraryFault> {
+    fn add(&mut self, tools: Vec<freecad::ListedTool>, list: &str) -> Result<(), FileFault> {
         for (index, tool) in tools.into_iter().enumerate() {
             if self.0.len() >= LIMITS.entries {
-                return Err(LibraryFlaw::too_large(format!("at most {} listed tools", LIMITS.entries), "more").in_file(list));
+                return Err(Flaw::too_large(format!("at most {} listed tools", LIMITS.entries), "more").in_file(list));
             }
             let file = ListedFile { number: tool.number, list: list.to_owned(), position: index + 1, is_found: false };
             self.0.entry(tool.file.to_lowercase()).or_insert(file);
@@ -114,11 +114,11 @@ impl Listed {
     }
 
     /// Adds the listed tools without a file to the faulty ones, in the order of the lists.
-    fn add_missing(self, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+    fn add_missing(self, library: &mut ToolLibrary) -> Result<(), FileFault> {
         let mut missing: Vec<_> = self.0.into_iter().filter(|(_, file)| !file.is_found).collect();
         missing.sort_by(|(_, one), (_, other)| (&one.list, one.position).cmp(&(&other.list, other.position)));
         for (name, file) in missing {
-            let flaw = LibraryFlaw::malformed("every listed tool in the zip", format!("no file {} in the zip", quoted(&name)));
+            let flaw = Flaw::malformed("every listed tool in the zip", format!("no file {} in the zip", quoted(&name)));
             let place = ToolPlace { file: &file.list, position: file.position, name: Some(&name) };
             library.add(Err(flaw.of_member("path").into()), &place).map_err(|flaw| flaw.in_file(&file.list))?;
         }
@@ -129,7 +129,7 @@ impl Listed {
 /// Reads all libraries and tools of a zip, in the order of its directory. If it has lists of FreeCAD, tool files that
 /// none of them names are counted, not read.
 fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
-    let mut archive = Archive::open(bytes, LIMITS).map_err(|fault| flaw(&fault).in_file(file))?;
+    let mut archive = Archive::open(bytes, LIMITS).map_err(|fault| Flaw::from(&fault).in_file(file))?;
     let path = |name: &str| format!("{file}/{name}");
     let mut listed = Listed::read(&mut archive, path)?;
     let mut faults = Vec::new();
@@ -152,14 +152,14 @@ fn read_archive(bytes: &[u8], file: &str, library: &mut ToolLibrary, cancel: &Ca
                 if let Some(file) = listed {
                     file.is_found = true;
                 }
-                let read = match archive.content(name).map_err(|fault| flaw(&fault).in_file(&path)) {
+                let read = match archive.content(name).map_err(|fault| Flaw::from(&fault).in_file(&path)) {
                     Ok(bytes) if Archive::is_archive(&bytes) => Err(nested(&path).into()),
                     Ok(bytes) if extension == "fctb" => read_tool_file(&bytes, &path, number, library, cancel),
                     Ok(bytes) => read_plain(&bytes, &path, number, library, cancel),
                     Err(fault) => Err(fault.into()),
                 };
                 let Err(found) = read else { continue };
-                let is_limit = found.all().iter().any(|fault| fault.kind() == LibraryFaultKind::TooLarge);
+                let is_limit = found.all().iter().any(|fault| fault.kind() == FileFaultKind::TooLarge);
                 faults.extend(found.into_all());
                 if is_limit || faults.len() >= super::MOST_FAULTY {
                     break;
@@ -187,7 +187,7 @@ fn read_tool_file(
     let text = match decoded(bytes, cancel) {
         Ok(text) => text,
         Err(found) => {
-            let flaw = LibraryFlaw::malformed("a tool of FreeCAD in JSON", found);
+            let flaw = Flaw::malformed("a tool of FreeCAD in JSON", found);
             let name = path.rsplit('/').next();
             library.add(Err(flaw.into()), &ToolPlace { file: path, position: 1, name }).map_err(|flaw| flaw.in_file(path))?;
             return Ok(());
@@ -201,18 +201,13 @@ fn is_companion(name: &str) -> bool {
     name.rsplit('/').next().is_some_and(|own_name| own_name.starts_with("._"))
 }
 
-fn nested(path: &str) -> LibraryFault {
-    LibraryFlaw::too_large("no zip inside a zip", "one").in_file(path)
+fn nested(path: &str) -> FileFault {
+    Flaw::too_large("no zip inside a zip", "one").in_file(path)
 }
 
 /// The extension of a file's name, in lower case.
 fn extension(name: &str) -> String {
     name.rsplit_once('.').map_or("", |(_, extension)| extension).to_lowercase()
-}
-
-fn flaw(fault: &ArchiveFault) -> LibraryFlaw {
-    let kind = if fault.is_limit() { LibraryFaultKind::TooLarge } else { LibraryFaultKind::Malformed };
-    LibraryFlaw::new(kind, "a ZIP archive within its limits", fault.to_string())
 }
 
 /// A file as text: UTF-8, UTF-16 with a byte-order mark, or otherwise Latin-1. The error describes a binary file. Once

@@ -12,9 +12,10 @@
 
 use super::cutter_shape::{Dimension, Dimensions, LibraryShape};
 use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number, unambiguous_thousands};
-use super::library_fault::{Flaws, LibraryFaults, LibraryFlaw, quoted};
+use super::library_fault::{Flaws, LibraryFaults};
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::cancellation::CancelFlag;
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 use crate::milling::Cutter;
 use crate::quantity::Length;
 
@@ -58,9 +59,9 @@ const LARGEST: usize = 4 << 20;
 /// # Errors
 /// The file is not a table, or its header has faults, or the library is full.
 pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &CancelFlag) -> Result<(), LibraryFaults> {
-    let refused = |flaw: LibraryFlaw| LibraryFaults::from(flaw.in_file(file));
+    let refused = |flaw: Flaw| LibraryFaults::from(flaw.in_file(file));
     if text.len() > LARGEST {
-        return Err(refused(LibraryFlaw::too_large(format!("a table of at most {LARGEST} bytes"), format!("{} bytes", text.len()))));
+        return Err(refused(Flaw::too_large(format!("a table of at most {LARGEST} bytes"), format!("{} bytes", text.len()))));
     }
     let (separator, text) = separator(text);
     let mut records = ::csv::ReaderBuilder::new()
@@ -75,7 +76,7 @@ pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &C
     let mut position = 0;
     loop {
         let more = records.read_record(&mut record);
-        let has_more = more.map_err(|error| refused(LibraryFlaw::malformed("a table in CSV", super::shortened(&error.to_string()))))?;
+        let has_more = more.map_err(|error| refused(Flaw::malformed("a table in CSV", super::shortened(&error.to_string()))))?;
         if !has_more || cancel.is_cancelled() {
             break;
         }
@@ -91,7 +92,7 @@ pub(super) fn read(text: &str, file: &str, library: &mut ToolLibrary, cancel: &C
         library.add(row.read(position), &ToolPlace { file, position, name: row.text(Column::Name) }).map_err(refused)?;
     }
     if table.is_none() {
-        return Err(refused(LibraryFlaw::new(super::LibraryFaultKind::Empty, "a header and a line for each cutter", "nothing")));
+        return Err(refused(Flaw::new(FileFaultKind::Empty, "a header and a line for each cutter", "nothing")));
     }
     Ok(())
 }
@@ -130,16 +131,16 @@ impl Table {
             .collect();
         let has = |wanted: &dyn Fn(&Column) -> bool| columns.iter().flatten().any(wanted);
         if !has(&|column| *column == Column::Kind) || (flaws.is_empty() && !has(&|column| matches!(column, Column::Diameter(_)))) {
-            let found = quoted(&header.iter().collect::<Vec<_>>().join(","));
+            let found = quoted(header.iter().collect::<Vec<_>>().join(","));
             let expected =
                 "a tool library: JSON of Fusion or FreeCAD, a zip of them, or CSV with the columns type and diameter_mm or diameter_in";
-            flaws.push(LibraryFlaw::new(super::LibraryFaultKind::UnknownFormat, expected, found));
+            flaws.push(Flaw::new(FileFaultKind::UnknownFormat, expected, found));
         }
         for (index, column) in columns.iter().enumerate() {
             if let Some(column) = column
                 && columns[..index].iter().flatten().any(|other| std::mem::discriminant(other) == std::mem::discriminant(column))
             {
-                flaws.push(LibraryFlaw::malformed("each quantity in one column, in one unit", format!("{} again", quoted(&header[index]))));
+                flaws.push(Flaw::malformed("each quantity in one column, in one unit", format!("{} again", quoted(&header[index]))));
             }
         }
         flaws.truncate(super::MOST_FAULTY);
@@ -150,7 +151,7 @@ impl Table {
 
 /// The quantity in a column of this name; `None` for a column that is not read. `has_units` states that another column
 /// has the units of lengths.
-fn column(name: &str, has_units: bool) -> Result<Option<Column>, LibraryFlaw> {
+fn column(name: &str, has_units: bool) -> Result<Option<Column>, Flaw> {
     type OfLength = fn(ColumnUnit) -> Column;
     let (quantity, unit) = quantity_and_unit(name);
     // The first name of each is that of the service, which must state a unit. Other tables may have columns with the names of
@@ -173,7 +174,7 @@ fn column(name: &str, has_units: bool) -> Result<Option<Column>, LibraryFlaw> {
             Some(unit) if is_length => return Ok(Some(column(ColumnUnit::Stated(unit)))),
             None if is_length && unit.is_none() && has_units => return Ok(Some(column(ColumnUnit::OfLine))),
             None if index < 4 && quantity.starts_with(names[0]) => {
-                return Err(LibraryFlaw::malformed(format!("{0}_mm or {0}_in", names[0]), quoted(name)));
+                return Err(Flaw::malformed(format!("{0}_mm or {0}_in", names[0]), quoted(name)));
             }
             _ => {}
         }
@@ -230,11 +231,10 @@ impl<'a> Row<'a> {
         let named = self.table.columns.len();
         let extra = self.record.iter().skip(named).any(|field| !field.is_empty());
         if self.record.len() < named || extra {
-            return Err(LibraryFlaw::malformed(format!("{named} fields, as the header has"), self.record.len().to_string()).into());
+            return Err(Flaw::malformed(format!("{named} fields, as the header has"), self.record.len().to_string()).into());
         }
-        let kind = self
-            .text(Column::Kind)
-            .ok_or_else(|| LibraryFlaw::missing("ball_end, toroidal, flat_end or another type").of_member("type"))?;
+        let kind =
+            self.text(Column::Kind).ok_or_else(|| Flaw::missing("ball_end, toroidal, flat_end or another type").of_member("type"))?;
         let Some(shape) = LibraryShape::named(kind) else { return Ok(ReadTool::Other(kind.to_owned())) };
         let mut flaws = Flaws::default();
         let cutter = flaws.take(self.cutter(shape));
@@ -253,9 +253,9 @@ impl<'a> Row<'a> {
         ReadTool::unless_flawed(cutter, parts, position, flaws)
     }
 
-    fn cutter(&self, shape: LibraryShape) -> Result<Cutter, LibraryFlaw> {
+    fn cutter(&self, shape: LibraryShape) -> Result<Cutter, Flaw> {
         let diameter = self.length(|column| matches!(column, Column::Diameter(_)))?.0;
-        let diameter = diameter.ok_or_else(|| LibraryFlaw::missing("the diameter of the cutter").of_member("diameter"))?;
+        let diameter = diameter.ok_or_else(|| Flaw::missing("the diameter of the cutter").of_member("diameter"))?;
         let (corner_radius, is_corner_stated) = self.length(|column| matches!(column, Column::CornerRadius(_)))?;
         let stated = Dimensions {
             corner_radius,
@@ -291,17 +291,12 @@ impl<'a> Row<'a> {
         self.field(|column| *column == wanted).map(|(_, field)| field)
     }
 
-    fn number<T>(
-        &self,
-        wanted: Column,
-        name: &'static str,
-        read: impl Fn(f64) -> Result<Option<T>, LibraryFlaw>,
-    ) -> Result<Option<T>, LibraryFlaw> {
+    fn number<T>(&self, wanted: Column, name: &'static str, read: impl Fn(f64) -> Result<Option<T>, Flaw>) -> Result<Option<T>, Flaw> {
         self.text(wanted).map_or(Ok(None), |field| number(field).and_then(read)).map_err(|flaw| flaw.of_member(name))
     }
 
     /// A length, and whether its field is filled; 0 means unknown.
-    fn length(&self, wanted: impl Fn(&Column) -> bool) -> Result<(Option<Length>, bool), LibraryFlaw> {
+    fn length(&self, wanted: impl Fn(&Column) -> bool) -> Result<(Option<Length>, bool), Flaw> {
         let Some((column, field)) = self.field(wanted) else { return Ok((None, false)) };
         let (name, unit) = match column {
             Column::Diameter(unit) => ("diameter", unit),
@@ -324,9 +319,8 @@ impl<'a> Row<'a> {
     }
 
     /// The unit of the lengths of this line.
-    fn unit(&self) -> Result<LengthUnit, LibraryFlaw> {
-        let unit =
-            self.text(Column::Unit).ok_or_else(|| LibraryFlaw::missing("the unit of the lengths, mm or inches").of_member("unit"))?;
-        LengthUnit::named(unit).ok_or_else(|| LibraryFlaw::malformed("mm or inches", quoted(unit)).of_member("unit"))
+    fn unit(&self) -> Result<LengthUnit, Flaw> {
+        let unit = self.text(Column::Unit).ok_or_else(|| Flaw::missing("the unit of the lengths, mm or inches").of_member("unit"))?;
+        LengthUnit::named(unit).ok_or_else(|| Flaw::malformed("mm or inches", quoted(unit)).of_member("unit"))
     }
 }

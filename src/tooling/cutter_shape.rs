@@ -1,7 +1,7 @@
 //! Conversion of a library's shape, diameter and corner radius to a finishing cutter.
 
 use super::dimension::shown;
-use super::library_fault::LibraryFlaw;
+use crate::file_fault::Flaw;
 use crate::milling::{Cutter, CutterError};
 use crate::quantity::{Angle, Length};
 
@@ -57,7 +57,7 @@ pub(super) struct Dimensions {
 /// four decimals.
 const BALL_TOLERANCE: f64 = 1e-2;
 
-type Fault = (Dimension, LibraryFlaw);
+type Fault = (Dimension, Flaw);
 
 impl LibraryShape {
     /// The shape that a type's name in a library or catalogue states, in any case and with any separators; `None` for a
@@ -137,23 +137,23 @@ impl LibraryShape {
         }
     }
 
-    fn straight(self, diameter: Length, corner_radius: Option<Length>, is_stated: bool) -> Result<Cutter, LibraryFlaw> {
+    fn straight(self, diameter: Length, corner_radius: Option<Length>, is_stated: bool) -> Result<Cutter, Flaw> {
         let half = diameter.mm() / 2.0;
         let is_half = |radius: Length| (radius.mm() - half).abs() <= BALL_TOLERANCE * half;
         match (self, corner_radius) {
             (Self::Ball, Some(radius)) if !is_half(radius) => {
-                Err(LibraryFlaw::out_of_range(format!("half the diameter of the ball, {}", shown(half)), shown(radius.mm())))
+                Err(Flaw::out_of_range(format!("half the diameter of the ball, {}", shown(half)), shown(radius.mm())))
             }
             (Self::Ball, _) => Ok(Cutter::ball_end(diameter)),
             (Self::Flat, Some(radius)) => {
-                Err(LibraryFlaw::out_of_range("0 or nothing on a flat end mill; a cutter with a corner is a bull nose", shown(radius.mm())))
+                Err(Flaw::out_of_range("0 or nothing on a flat end mill; a cutter with a corner is a bull nose", shown(radius.mm())))
             }
-            (Self::BullNose, None) if !is_stated => Err(LibraryFlaw::missing("the corner radius of a bull nose end mill")),
+            (Self::BullNose, None) if !is_stated => Err(Flaw::missing("the corner radius of a bull nose end mill")),
             (_, None) => Ok(Cutter::flat_end(diameter)),
             // A corner radius that is half the diameter within the tolerance.
             (_, Some(radius)) if (radius.mm() - half).abs() <= 1e-9 * half => Ok(Cutter::ball_end(diameter)),
             (_, Some(radius)) => Cutter::toroidal(diameter, radius).map_err(|_| {
-                LibraryFlaw::out_of_range(format!("a corner radius of at most half the diameter, {}", shown(half)), shown(radius.mm()))
+                Flaw::out_of_range(format!("a corner radius of at most half the diameter, {}", shown(half)), shown(radius.mm()))
             }),
         }
     }
@@ -162,9 +162,9 @@ impl LibraryShape {
 impl Dimensions {
     fn taper(&self) -> Result<Angle, Fault> {
         let degrees = self.taper_deg.filter(|taper| *taper != 0.0);
-        let degrees = degrees.ok_or_else(|| (Dimension::Taper, LibraryFlaw::missing("the taper, half the angle of the cone")))?;
+        let degrees = degrees.ok_or_else(|| (Dimension::Taper, Flaw::missing("the taper, half the angle of the cone")))?;
         let checked = Angle::from_degrees(degrees).ok().filter(|_| degrees > 0.0 && degrees < 90.0);
-        checked.ok_or_else(|| (Dimension::Taper, LibraryFlaw::out_of_range("a taper over 0 and under 90 deg", degrees.to_string())))
+        checked.ok_or_else(|| (Dimension::Taper, Flaw::out_of_range("a taper over 0 and under 90 deg", degrees.to_string())))
     }
 
     /// The stated diameter of the shank, or that at the end of the flutes.
@@ -175,12 +175,12 @@ impl Dimensions {
 }
 
 fn needed(value: Option<Length>, dimension: Dimension, what: &'static str) -> Result<Length, Fault> {
-    value.ok_or_else(|| (dimension, LibraryFlaw::missing(what)))
+    value.ok_or_else(|| (dimension, Flaw::missing(what)))
 }
 
 fn fault_of_ball(ball: f64) -> Fault {
     let expected = format!("a corner radius of at most that of the ball that fits the cone, {}", shown(ball));
-    (Dimension::CornerRadius, LibraryFlaw::out_of_range(expected, "a larger one"))
+    (Dimension::CornerRadius, Flaw::out_of_range(expected, "a larger one"))
 }
 
 /// The fault of a dimension that does not fit the others; `large` is the one of lens, side or shank.
@@ -192,7 +192,7 @@ fn fault_of(error: &CutterError, large: Dimension) -> Fault {
         CutterError::TipTooLarge { .. } => Dimension::TipRadius,
         CutterError::LargeRadiusTooSmall { .. } | CutterError::Profile(_) => large,
     };
-    (dimension, LibraryFlaw::out_of_range(error.to_string(), "another one"))
+    (dimension, Flaw::out_of_range(error.to_string(), "another one"))
 }
 
 #[cfg(test)]

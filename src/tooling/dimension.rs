@@ -1,7 +1,7 @@
 //! Numbers and lengths as tool libraries write them: with a decimal point or comma, with or without a unit.
 
-use super::library_fault::{LibraryFlaw, quoted};
 use super::{HIGHEST_SPINDLE_SPEED, MOST_TEETH};
+use crate::file_fault::{Flaw, quoted};
 use crate::quantity::Length;
 
 /// A unit of length, in mm.
@@ -27,35 +27,35 @@ impl LengthUnit {
     }
 
     /// A length of `value` units; zero or less is out of range.
-    pub(super) fn length(self, value: f64) -> Result<Length, LibraryFlaw> {
+    pub(super) fn length(self, value: f64) -> Result<Length, Flaw> {
         Length::from_mm(value * self.0).map_err(|bounds| {
             let expected = format!("a length from {} mm to {} mm", bounds.minimum, bounds.maximum);
-            LibraryFlaw::out_of_range(expected, shown(value * self.0))
+            Flaw::out_of_range(expected, shown(value * self.0))
         })
     }
 
     /// A length of `value` units; `None` for 0, which means unknown.
-    pub(super) fn length_unless_zero(self, value: f64) -> Result<Option<Length>, LibraryFlaw> {
+    pub(super) fn length_unless_zero(self, value: f64) -> Result<Option<Length>, Flaw> {
         if value == 0.0 { Ok(None) } else { self.length(value).map(Some) }
     }
 }
 
 /// Parses `text`, trimmed, as a number with a decimal point or a decimal comma. A text with both is refused, because
 /// the comma may separate thousands.
-pub(super) fn number(text: &str) -> Result<f64, LibraryFlaw> {
+pub(super) fn number(text: &str) -> Result<f64, Flaw> {
     let bare = text.trim();
-    let wrong = || LibraryFlaw::malformed("a number with a decimal point or a decimal comma", quoted(bare));
+    let wrong = || Flaw::malformed("a number with a decimal point or a decimal comma", quoted(bare));
     let is_plain = bare.bytes().all(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.' | b',' | b'e' | b'E'));
     let marks = bare.bytes().filter(|byte| matches!(byte, b'.' | b',')).count();
     if !is_plain || marks > 1 {
         return Err(wrong());
     }
     let value: f64 = bare.replace(',', ".").parse().map_err(|_| wrong())?;
-    if value.is_finite() { Ok(value) } else { Err(LibraryFlaw::out_of_range("a finite number", quoted(bare))) }
+    if value.is_finite() { Ok(value) } else { Err(Flaw::out_of_range("a finite number", quoted(bare))) }
 }
 
 /// Refuses a spindle speed such as `12,000` or `12.000`, which can mean twelve or twelve thousand.
-pub(super) fn unambiguous_thousands(text: &str) -> Result<(), LibraryFlaw> {
+pub(super) fn unambiguous_thousands(text: &str) -> Result<(), Flaw> {
     let bare = text.trim();
     let is_group = bare.split_once(['.', ',']).is_some_and(|(before, after)| {
         let digits = before.bytes().chain(after.bytes()).all(|byte| byte.is_ascii_digit());
@@ -65,21 +65,21 @@ pub(super) fn unambiguous_thousands(text: &str) -> Result<(), LibraryFlaw> {
         return Ok(());
     }
     let found = format!("{}: either three decimals, or a mark between thousands", quoted(bare));
-    Err(LibraryFlaw::malformed("a spindle speed without a mark between thousands", found))
+    Err(Flaw::malformed("a spindle speed without a mark between thousands", found))
 }
 
 /// An angle in degrees, with or without its unit: `10.00 °`, `10 deg`, `10`.
-pub(super) fn angle_deg(text: &str) -> Result<f64, LibraryFlaw> {
+pub(super) fn angle_deg(text: &str) -> Result<f64, Flaw> {
     number(text.trim().trim_end_matches(['°', 'd', 'e', 'g']))
 }
 
 /// A number and the unit after it, as in `6.0000 mm`, `0,25 in` or `1/4"` without the fraction.
-pub(super) fn number_with_unit(text: &str) -> Result<(f64, LengthUnit), LibraryFlaw> {
+pub(super) fn number_with_unit(text: &str) -> Result<(f64, LengthUnit), Flaw> {
     let bare = text.trim();
     let digits = bare.rfind(|c: char| c.is_ascii_digit() || matches!(c, '.' | ',')).map_or(0, |at| at + 1);
     let (value, unit) = bare.split_at(digits);
     let unit = LengthUnit::named(unit.trim())
-        .ok_or_else(|| LibraryFlaw::malformed("a length with its unit, such as \"6.0 mm\" or \"0.25 in\"", quoted(bare)))?;
+        .ok_or_else(|| Flaw::malformed("a length with its unit, such as \"6.0 mm\" or \"0.25 in\"", quoted(bare)))?;
     Ok((number(value)?, unit))
 }
 
@@ -89,24 +89,24 @@ pub(super) fn shown(mm: f64) -> String {
 }
 
 /// A number of teeth; 0 means unknown.
-pub(super) fn teeth(value: f64) -> Result<Option<u32>, LibraryFlaw> {
+pub(super) fn teeth(value: f64) -> Result<Option<u32>, Flaw> {
     let whole = whole(value).filter(|teeth| *teeth <= MOST_TEETH);
-    let teeth = whole.ok_or_else(|| LibraryFlaw::out_of_range(format!("a whole number of teeth up to {MOST_TEETH}"), value.to_string()))?;
+    let teeth = whole.ok_or_else(|| Flaw::out_of_range(format!("a whole number of teeth up to {MOST_TEETH}"), value.to_string()))?;
     Ok((teeth > 0).then_some(teeth))
 }
 
 /// The number of a tool.
-pub(super) fn tool_number(value: f64) -> Result<u32, LibraryFlaw> {
-    whole(value).ok_or_else(|| LibraryFlaw::out_of_range("a whole number that is not negative", value.to_string()))
+pub(super) fn tool_number(value: f64) -> Result<u32, Flaw> {
+    whole(value).ok_or_else(|| Flaw::out_of_range("a whole number that is not negative", value.to_string()))
 }
 
 /// A spindle speed, in rpm; 0 means unknown.
-pub(super) fn spindle_speed(value: f64) -> Result<Option<f64>, LibraryFlaw> {
+pub(super) fn spindle_speed(value: f64) -> Result<Option<f64>, Flaw> {
     if value == 0.0 {
         return Ok(None);
     }
     let is_fine = (1.0..=HIGHEST_SPINDLE_SPEED).contains(&value);
-    let wrong = || LibraryFlaw::out_of_range(format!("a spindle speed from 1 to {HIGHEST_SPINDLE_SPEED} rpm"), value.to_string());
+    let wrong = || Flaw::out_of_range(format!("a spindle speed from 1 to {HIGHEST_SPINDLE_SPEED} rpm"), value.to_string());
     if is_fine { Ok(Some(value)) } else { Err(wrong()) }
 }
 

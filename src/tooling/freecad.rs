@@ -3,9 +3,10 @@
 
 use super::cutter_shape::{Dimension, Dimensions, LibraryShape};
 use super::dimension::{LengthUnit, angle_deg, number_with_unit, shown, teeth, tool_number};
-use super::library_fault::{Flaws, LibraryFault, LibraryFlaw};
+use super::library_fault::{Flaws, json_flaw};
 use super::scalar::Scalar;
 use super::{MOST_TOOLS, ReadTool, ToolLibrary, ToolParts, ToolPlace};
+use crate::file_fault::{FileFault, Flaw};
 use crate::milling::Cutter;
 use crate::quantity::Length;
 use serde::Deserialize;
@@ -19,17 +20,17 @@ const LONGEST_TOOL: usize = 1 << 20;
 const LONGEST_LIST: usize = 4 << 20;
 
 /// Refuses a text of more than `most` bytes.
-fn within(length: usize, most: usize, what: &str) -> Result<(), LibraryFlaw> {
-    if length <= most { Ok(()) } else { Err(LibraryFlaw::too_large(format!("{what} of at most {most} bytes"), format!("{length} bytes"))) }
+fn within(length: usize, most: usize, what: &str) -> Result<(), Flaw> {
+    if length <= most { Ok(()) } else { Err(Flaw::too_large(format!("{what} of at most {most} bytes"), format!("{length} bytes"))) }
 }
 
 /// Reads the tool of a `.fctb` file, whose number in the library is `number`.
 ///
 /// # Errors
 /// The library is full. Faults of the file are recorded as faults of the tool.
-pub(super) fn read_tool(text: &str, file: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+pub(super) fn read_tool(text: &str, file: &str, number: Option<u32>, library: &mut ToolLibrary) -> Result<(), FileFault> {
     let read = within(text.len(), LONGEST_TOOL, "a tool")
-        .and_then(|()| serde_json::from_str::<Tool>(text).map_err(|error| LibraryFlaw::json("a tool of FreeCAD in JSON", &error)));
+        .and_then(|()| serde_json::from_str::<Tool>(text).map_err(|error| json_flaw("a tool of FreeCAD in JSON", &error)));
     let read = read.map_err(Flaws::from);
     let name = read.as_ref().ok().and_then(Tool::name);
     let tool = read.and_then(|tool| tool.read(number));
@@ -46,10 +47,9 @@ pub(super) struct ListedTool {
 }
 
 /// Reads a `.fctl` list.
-pub(super) fn read_list(text: &[u8], file: &str) -> Result<Vec<ListedTool>, LibraryFault> {
+pub(super) fn read_list(text: &[u8], file: &str) -> Result<Vec<ListedTool>, FileFault> {
     within(text.len(), LONGEST_LIST, "a list").map_err(|flaw| flaw.in_file(file))?;
-    let list: List =
-        serde_json::from_slice(text).map_err(|error| LibraryFlaw::json("a list of tools of FreeCAD in JSON", &error).in_file(file))?;
+    let list: List = serde_json::from_slice(text).map_err(|error| json_flaw("a list of tools of FreeCAD in JSON", &error).in_file(file))?;
     list.tools.0.into_iter().enumerate().map(|(index, item)| item.read(index).map_err(|flaw| flaw.in_file(file))).collect()
 }
 
@@ -96,9 +96,9 @@ struct ListItem {
 
 impl ListItem {
     /// The item at this index of the list.
-    fn read(self, index: usize) -> Result<ListedTool, LibraryFlaw> {
+    fn read(self, index: usize) -> Result<ListedTool, Flaw> {
         let member = |name: &str| format!("tools[{index}].{name}");
-        let path = self.path.ok_or_else(|| LibraryFlaw::missing("the tool's file")).and_then(|path| path.text());
+        let path = self.path.ok_or_else(|| Flaw::missing("the tool's file")).and_then(|path| path.text());
         let path = path.map_err(|flaw| flaw.of_member(member("path")))?;
         let file = path.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
         let number = self.nr.map(|number| number.number().and_then(tool_number)).transpose();
@@ -140,8 +140,7 @@ impl Tool {
         // The Better Tool Library imports tools of Fusion under names such as `_fusion_ball_end_mill`.
         let bare = kind.trim_start_matches('_').to_lowercase();
         let Some(shape) = LibraryShape::named(bare.strip_prefix("fusion_").unwrap_or(&bare)) else { return Ok(ReadTool::Other(kind)) };
-        let parameters =
-            self.parameter.as_ref().ok_or_else(|| LibraryFlaw::missing("the dimensions of the cutter").of_member("parameter"))?;
+        let parameters = self.parameter.as_ref().ok_or_else(|| Flaw::missing("the dimensions of the cutter").of_member("parameter"))?;
         let mut flaws = Flaws::default();
         let cutter = flaws.take(parameters.cutter(shape));
         let teeth = parameters.flutes.as_ref().map_or(Ok(None), |flutes| flutes.number().and_then(teeth));
@@ -157,11 +156,11 @@ impl Tool {
     }
 
     /// The shape's name: `shape-type`, or the name of the shape's file without its extension.
-    fn kind(&self) -> Result<String, LibraryFlaw> {
+    fn kind(&self) -> Result<String, Flaw> {
         let (member, shape) = match (&self.shape_type, &self.shape) {
             (Some(shape), _) => ("shape-type", shape),
             (None, Some(shape)) => ("shape", shape),
-            (None, None) => return Err(LibraryFlaw::missing("the shape of the tool").of_member("shape")),
+            (None, None) => return Err(Flaw::missing("the shape of the tool").of_member("shape")),
         };
         let text = shape.text().map_err(|flaw| flaw.of_member(member))?;
         let file = text.rsplit(['/', '\\']).next().unwrap_or_default();
@@ -170,9 +169,9 @@ impl Tool {
 }
 
 impl Parameters {
-    fn cutter(&self, shape: LibraryShape) -> Result<Cutter, LibraryFlaw> {
+    fn cutter(&self, shape: LibraryShape) -> Result<Cutter, Flaw> {
         let diameter = length("parameter.Diameter", self.diameter.as_ref())?;
-        let diameter = diameter.ok_or_else(|| LibraryFlaw::missing("the diameter of the cutter").of_member("parameter.Diameter"))?;
+        let diameter = diameter.ok_or_else(|| Flaw::missing("the diameter of the cutter").of_member("parameter.Diameter"))?;
         let (member, corner_radius, is_corner_stated) =
             if shape == LibraryShape::BullNose { self.corner(diameter)? } else { ("parameter.CornerRadius", None, false) };
         let mut stated = Dimensions { corner_radius, is_corner_stated, ..Dimensions::default() };
@@ -193,7 +192,7 @@ impl Parameters {
 
     /// The corner radius of a bull-nose cutter, with the member that states it: the corner's radius itself, or the
     /// radius of the flat bottom, from which the corner radius is DC/2 - FlatRadius.
-    fn corner(&self, diameter: Length) -> Result<(&'static str, Option<Length>, bool), LibraryFlaw> {
+    fn corner(&self, diameter: Length) -> Result<(&'static str, Option<Length>, bool), Flaw> {
         for (member, value) in [("parameter.CornerRadius", &self.corner_radius), ("parameter.TorusRadius", &self.torus_radius)] {
             if let Some(radius) = value {
                 return Ok((member, length(member, Some(radius))?, true));
@@ -207,13 +206,13 @@ impl Parameters {
             return Ok((member, None, true));
         }
         let expected = format!("a flat inside the diameter, of a radius up to {}", shown(diameter.mm() / 2.0));
-        let corner = Length::from_mm(corner).map_err(|_| LibraryFlaw::out_of_range(expected, shown(flat)).of_member(member))?;
+        let corner = Length::from_mm(corner).map_err(|_| Flaw::out_of_range(expected, shown(flat)).of_member(member))?;
         Ok((member, Some(corner), true))
     }
 }
 
 /// A length with its unit; 0 means unknown. A bare JSON number is in millimetres, FreeCAD's internal unit.
-fn length(member: &'static str, value: Option<&Scalar>) -> Result<Option<Length>, LibraryFlaw> {
+fn length(member: &'static str, value: Option<&Scalar>) -> Result<Option<Length>, Flaw> {
     let read = |value: &Scalar| match value {
         Scalar::Text(text) => number_with_unit(text).and_then(|(value, unit)| unit.length_unless_zero(value)),
         other => other.number().and_then(|value| LengthUnit::MILLIMETRE.length_unless_zero(value)),

@@ -7,9 +7,10 @@
 
 use super::cutter_shape::{Dimension, Dimensions, LibraryShape};
 use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
-use super::library_fault::{Flaws, LibraryFault, LibraryFlaw};
+use super::library_fault::{Flaws, json_flaw};
 use super::scalar::Scalar;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
+use crate::file_fault::{FileFault, Flaw};
 use crate::json::each;
 use crate::milling::Cutter;
 use crate::quantity::Length;
@@ -25,7 +26,7 @@ const LONGEST_TOOL: usize = 1 << 20;
 ///
 /// # Errors
 /// `data` is not an array, or the library is full.
-pub(super) fn read(data: &RawValue, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+pub(super) fn read(data: &RawValue, file: &str, library: &mut ToolLibrary) -> Result<(), FileFault> {
     let (mut result, mut position) = (Ok(()), 0);
     let read = each(data, |item| {
         position += 1;
@@ -33,17 +34,17 @@ pub(super) fn read(data: &RawValue, file: &str, library: &mut ToolLibrary) -> Re
             result = add(item, position, file, library);
         }
     });
-    read.map_err(|_| LibraryFlaw::malformed("an array of tools", "another value").of_member("data").in_file(file))?;
+    read.map_err(|_| Flaw::malformed("an array of tools", "another value").of_member("data").in_file(file))?;
     result
 }
 
 /// Adds the tool at this position of the file, counted from 1.
-fn add(item: &RawValue, position: usize, file: &str, library: &mut ToolLibrary) -> Result<(), LibraryFault> {
+fn add(item: &RawValue, position: usize, file: &str, library: &mut ToolLibrary) -> Result<(), FileFault> {
     if item.get().len() > LONGEST_TOOL {
-        let flaw = LibraryFlaw::too_large(format!("a tool of at most {LONGEST_TOOL} bytes"), format!("{} bytes", item.get().len()));
+        let flaw = Flaw::too_large(format!("a tool of at most {LONGEST_TOOL} bytes"), format!("{} bytes", item.get().len()));
         return library.add(Err(flaw.into()), &ToolPlace { file, position, name: None }).map_err(|flaw| flaw.in_file(file));
     }
-    let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| LibraryFlaw::json("a tool in JSON", &error).into());
+    let read: Result<Tool, Flaws> = serde_json::from_str(item.get()).map_err(|error| json_flaw("a tool in JSON", &error).into());
     let name = read.as_ref().ok().and_then(Tool::name);
     let tool = match TypeAlone::other(item) {
         // The other members of such a tool may differ from those of a cutter.
@@ -176,10 +177,10 @@ impl Tool {
     }
 
     fn read(&self, position: usize) -> Result<ReadTool, Flaws> {
-        let kind = self.kind.as_ref().ok_or_else(|| LibraryFlaw::missing("the type of the tool").of_member("type"))?;
+        let kind = self.kind.as_ref().ok_or_else(|| Flaw::missing("the type of the tool").of_member("type"))?;
         let kind = kind.text().map_err(|flaw| flaw.of_member("type"))?;
         let Some(shape) = shape_of(&kind) else { return Ok(ReadTool::Other(kind)) };
-        let geometry = self.geometry.as_ref().ok_or_else(|| LibraryFlaw::missing("the geometry of the cutter").of_member("geometry"))?;
+        let geometry = self.geometry.as_ref().ok_or_else(|| Flaw::missing("the geometry of the cutter").of_member("geometry"))?;
         let mut flaws = Flaws::default();
         // A tapered cutter differs in its flank from the straight cutter with the same tip.
         let is_straight = matches!(shape, LibraryShape::Ball | LibraryShape::BullNose | LibraryShape::Flat);
@@ -201,16 +202,16 @@ impl Tool {
         ReadTool::unless_flawed(cutter, parts, position, flaws)
     }
 
-    fn unit(&self) -> Result<LengthUnit, LibraryFlaw> {
+    fn unit(&self) -> Result<LengthUnit, Flaw> {
         let expected = "\"millimeters\" or \"inches\"";
-        let unit = self.unit.as_ref().ok_or_else(|| LibraryFlaw::missing(expected).of_member("unit"))?;
+        let unit = self.unit.as_ref().ok_or_else(|| Flaw::missing(expected).of_member("unit"))?;
         match unit.text().ok().as_deref().and_then(LengthUnit::named) {
             Some(unit) if unit == LengthUnit::MILLIMETRE || unit == LengthUnit::INCH => Ok(unit),
-            _ => Err(LibraryFlaw::malformed(expected, unit.shown()).of_member("unit")),
+            _ => Err(Flaw::malformed(expected, unit.shown()).of_member("unit")),
         }
     }
 
-    fn number(&self) -> Result<Option<u32>, LibraryFlaw> {
+    fn number(&self) -> Result<Option<u32>, Flaw> {
         let number = self.post_process.as_ref().and_then(|post| post.number.as_ref());
         number.map(|number| number.number().and_then(tool_number).map_err(|flaw| flaw.of_member("post-process.number"))).transpose()
     }
@@ -228,31 +229,31 @@ fn member_of(dimension: Dimension) -> &'static str {
 }
 
 impl Geometry {
-    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, LibraryFlaw> {
+    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, Flaw> {
         value.map(|value| value.number().map_err(|flaw| flaw.of_member(member))).transpose()
     }
 
-    fn taper(&self) -> Result<f64, LibraryFlaw> {
+    fn taper(&self) -> Result<f64, Flaw> {
         Ok(Self::number("geometry.TA", self.TA.as_ref())?.unwrap_or(0.0))
     }
 
-    fn teeth(&self) -> Result<Option<u32>, LibraryFlaw> {
+    fn teeth(&self) -> Result<Option<u32>, Flaw> {
         let member = "geometry.NOF";
         Self::number(member, self.NOF.as_ref())?.map_or(Ok(None), teeth).map_err(|flaw| flaw.of_member(member))
     }
 
-    fn flute_length(&self, unit: LengthUnit) -> Result<Option<Length>, LibraryFlaw> {
+    fn flute_length(&self, unit: LengthUnit) -> Result<Option<Length>, Flaw> {
         Self::length("geometry.LCF", self.LCF.as_ref(), unit)
     }
 
     /// A length; 0 means unknown.
-    fn length(member: &'static str, value: Option<&Scalar>, unit: LengthUnit) -> Result<Option<Length>, LibraryFlaw> {
+    fn length(member: &'static str, value: Option<&Scalar>, unit: LengthUnit) -> Result<Option<Length>, Flaw> {
         let length = Self::number(member, value)?.map_or(Ok(None), |length| unit.length_unless_zero(length));
         length.map_err(|flaw| flaw.of_member(member))
     }
 
-    fn cutter(&self, shape: LibraryShape, unit: LengthUnit) -> Result<Cutter, LibraryFlaw> {
-        let diameter = Self::number("geometry.DC", self.DC.as_ref())?.ok_or_else(|| LibraryFlaw::missing("the diameter of the cutter"));
+    fn cutter(&self, shape: LibraryShape, unit: LengthUnit) -> Result<Cutter, Flaw> {
+        let diameter = Self::number("geometry.DC", self.DC.as_ref())?.ok_or_else(|| Flaw::missing("the diameter of the cutter"));
         let diameter = diameter.and_then(|diameter| unit.length(diameter)).map_err(|flaw| flaw.of_member("geometry.DC"))?;
         let length = |dimension, value: &Option<Scalar>| Self::length(member_of(dimension), value.as_ref(), unit);
         let stated = Dimensions {
@@ -271,17 +272,17 @@ impl Geometry {
 }
 
 impl Preset {
-    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, LibraryFlaw> {
+    fn number(member: &'static str, value: Option<&Scalar>) -> Result<Option<f64>, Flaw> {
         value.map(Scalar::number).transpose().map_err(|flaw| flaw.of_member(member))
     }
 
-    fn speed(&self) -> Result<Option<f64>, LibraryFlaw> {
+    fn speed(&self) -> Result<Option<f64>, Flaw> {
         let member = "start-values.presets.n";
         Self::number(member, self.n.as_ref())?.map_or(Ok(None), spindle_speed).map_err(|flaw| flaw.of_member(member))
     }
 
     /// The feed per tooth. If it is missing, it is computed from the feed rate: f_z = v_f / (z n).
-    fn feed_per_tooth(&self, unit: LengthUnit, teeth: Option<u32>, speed: Option<f64>) -> Result<Option<Length>, LibraryFlaw> {
+    fn feed_per_tooth(&self, unit: LengthUnit, teeth: Option<u32>, speed: Option<f64>) -> Result<Option<Length>, Flaw> {
         let stated = "start-values.presets.f_z";
         if let Some(feed) = Self::number(stated, self.f_z.as_ref())?.filter(|feed| *feed != 0.0) {
             return unit.length(feed).map(Some).map_err(|flaw| flaw.of_member(stated));

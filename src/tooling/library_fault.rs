@@ -1,91 +1,19 @@
-//! Faults of a tool library, each with file, tool and member, what is expected there and what was found.
+//! The faults of a tool library: of files that cannot be read, and of tools whose cutters cannot be used.
 
 use super::{ToolPlace, shortened};
+use crate::file_fault::{FileFault, FilePlace, Flaw};
 use crate::json::JsonError;
 use std::borrow::Cow;
 use std::fmt;
 
-/// The kinds of faults of a library.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LibraryFaultKind {
-    /// The file has none of the formats that are read.
-    UnknownFormat,
-    /// A violation of the format, or a member that a cutter needs is missing.
-    Malformed,
-    /// A number outside its bounds, or a corner radius that does not fit the diameter.
-    OutOfRange,
-    /// A limit is exceeded: tools, files of a zip, decompressed bytes.
-    TooLarge,
-    /// The file has no tool.
-    Empty,
-}
-
-/// A fault of a file or a tool.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LibraryFault {
-    file: String,
-    tool: Option<String>,
-    flaw: Box<LibraryFlaw>,
-}
-
-impl LibraryFault {
-    /// The kind of the fault.
-    #[must_use]
-    pub fn kind(&self) -> LibraryFaultKind {
-        self.flaw.kind
-    }
-
-    /// The file with the fault; for a file of a zip `archive.zip/folder/file.json`.
-    #[must_use]
-    pub fn file(&self) -> &str {
-        &self.file
-    }
-
-    /// The tool with the fault: its position in the file, counted from 1, and its name in quotation marks.
-    #[must_use]
-    pub fn tool(&self) -> Option<&str> {
-        self.tool.as_deref()
-    }
-
-    /// The member with the fault, as the format names it.
-    #[must_use]
-    pub fn member(&self) -> Option<&str> {
-        self.flaw.member.as_deref()
-    }
-
-    /// The expected value.
-    #[must_use]
-    pub fn expected(&self) -> &str {
-        &self.flaw.expected
-    }
-
-    /// The value found: a description, or a short quotation with special characters escaped.
-    #[must_use]
-    pub fn found(&self) -> &str {
-        &self.flaw.found
-    }
-}
-
-impl fmt::Display for LibraryFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.file)?;
-        for part in [&self.tool, &self.flaw.member.as_ref().map(ToString::to_string)].into_iter().flatten() {
-            write!(f, ", {part}")?;
-        }
-        write!(f, ": expected {}, found {}", self.flaw.expected, self.flaw.found)
-    }
-}
-
-impl std::error::Error for LibraryFault {}
-
 /// All faults of a library that cannot be read, at least one.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LibraryFaults(Vec<LibraryFault>);
+pub struct LibraryFaults(Vec<FileFault>);
 
 impl LibraryFaults {
     /// The faults: first those of files, then those of tools.
     #[must_use]
-    pub fn all(&self) -> &[LibraryFault] {
+    pub fn all(&self) -> &[FileFault] {
         &self.0
     }
 
@@ -96,17 +24,17 @@ impl LibraryFaults {
     }
 
     /// All faults of several files; `None` if there are none.
-    pub(super) fn of_files(faults: Vec<LibraryFault>) -> Option<Self> {
+    pub(super) fn of_files(faults: Vec<FileFault>) -> Option<Self> {
         (!faults.is_empty()).then_some(Self(faults))
     }
 
-    pub(super) fn into_all(self) -> Vec<LibraryFault> {
+    pub(super) fn into_all(self) -> Vec<FileFault> {
         self.0
     }
 }
 
-impl From<LibraryFault> for LibraryFaults {
-    fn from(fault: LibraryFault) -> Self {
+impl From<FileFault> for LibraryFaults {
+    fn from(fault: FileFault) -> Self {
         Self(vec![fault])
     }
 }
@@ -126,7 +54,7 @@ impl std::error::Error for LibraryFaults {}
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FaultyTool {
     name: String,
-    faults: Vec<LibraryFault>,
+    faults: Vec<FileFault>,
 }
 
 impl FaultyTool {
@@ -138,7 +66,7 @@ impl FaultyTool {
 
     /// The faults of its members, at least one.
     #[must_use]
-    pub fn faults(&self) -> &[LibraryFault] {
+    pub fn faults(&self) -> &[FileFault] {
         &self.faults
     }
 }
@@ -147,74 +75,17 @@ impl fmt::Display for FaultyTool {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some((first, further)) = self.faults.split_first() else { return Ok(()) };
         write!(f, "{first}")?;
-        for fault in further {
-            let member = fault.member().map(|member| format!("{member}: ")).unwrap_or_default();
-            write!(f, "; {member}expected {}, found {}", fault.expected(), fault.found())?;
-        }
-        Ok(())
-    }
-}
-
-/// A fault without its file and tool, which the caller adds.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct LibraryFlaw {
-    kind: LibraryFaultKind,
-    member: Option<Cow<'static, str>>,
-    expected: Cow<'static, str>,
-    found: Cow<'static, str>,
-}
-
-impl LibraryFlaw {
-    pub(super) fn new(kind: LibraryFaultKind, expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {
-        Self { kind, member: None, expected: expected.into(), found: found.into() }
-    }
-
-    pub(super) fn malformed(expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {
-        Self::new(LibraryFaultKind::Malformed, expected, found)
-    }
-
-    pub(super) fn out_of_range(expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {
-        Self::new(LibraryFaultKind::OutOfRange, expected, found)
-    }
-
-    /// The flaw of a text that is not JSON, or not the expected JSON. The parser's message may quote a long text, so it
-    /// is shortened.
-    pub(super) fn json(expected: impl Into<Cow<'static, str>>, error: &serde_json::Error) -> Self {
-        let error = JsonError::from(error);
-        // The parser names the program's own type after what it found.
-        let message = error.message();
-        let found = match message.strip_prefix("invalid type: ").and_then(|found| found.split_once(", expected ")) {
-            Some((found, _)) => format!("{found}, a value of another type"),
-            None => message.to_owned(),
-        };
-        Self::malformed(expected, format!("{} at line {} column {}", shortened(&found), error.line(), error.column()))
-    }
-
-    pub(super) fn too_large(expected: impl Into<Cow<'static, str>>, found: impl Into<Cow<'static, str>>) -> Self {
-        Self::new(LibraryFaultKind::TooLarge, expected, found)
-    }
-
-    /// A member that a cutter needs is missing.
-    pub(super) fn missing(expected: impl Into<Cow<'static, str>>) -> Self {
-        Self::malformed(expected, "nothing")
-    }
-
-    pub(super) fn of_member(self, member: impl Into<Cow<'static, str>>) -> Self {
-        Self { member: Some(member.into()), ..self }
-    }
-
-    pub(super) fn in_file(self, file: &str) -> LibraryFault {
-        LibraryFault { file: shortened(file), tool: None, flaw: Box::new(self) }
+        further.iter().try_for_each(|fault| write!(f, "; {}", fault.flaw()))
     }
 }
 
 /// The faults of a tool without its place, which the caller adds.
 #[derive(Debug, Default)]
-pub(super) struct Flaws(Vec<LibraryFlaw>);
+pub(super) struct Flaws(Vec<Flaw>);
 
 impl Flaws {
     /// The value. If it has a flaw, records the flaw and returns `None`.
-    pub(super) fn take<T>(&mut self, value: Result<T, LibraryFlaw>) -> Option<T> {
+    pub(super) fn take<T>(&mut self, value: Result<T, Flaw>) -> Option<T> {
         value.map_err(|flaw| self.0.push(flaw)).ok()
     }
 
@@ -226,21 +97,29 @@ impl Flaws {
     /// The faulty tool at this place.
     pub(super) fn of_tool(self, place: &ToolPlace) -> FaultyTool {
         let tool = match place.name.map(str::trim) {
-            Some(name) if !name.is_empty() => format!("tool {} {}", place.position, quoted(name)),
+            Some(name) if !name.is_empty() => format!("tool {} \"{}\"", place.position, shortened(name)),
             _ => format!("tool {}", place.position),
         };
-        let of_tool = |flaw: LibraryFlaw| LibraryFault { tool: Some(tool.clone()), ..flaw.in_file(place.file) };
-        FaultyTool { name: place.name(), faults: self.0.into_iter().map(of_tool).collect() }
+        let place_of_tool = FilePlace::Tool { file: shortened(place.file).into(), tool: Some(tool.into()) };
+        FaultyTool { name: place.name(), faults: self.0.into_iter().map(|flaw| flaw.at(place_of_tool.clone())).collect() }
     }
 }
 
-impl From<LibraryFlaw> for Flaws {
-    fn from(flaw: LibraryFlaw) -> Self {
+impl From<Flaw> for Flaws {
+    fn from(flaw: Flaw) -> Self {
         Self(vec![flaw])
     }
 }
 
-/// `text` in quotation marks, shortened, with its control characters escaped.
-pub(super) fn quoted(text: &str) -> String {
-    format!("\"{}\"", shortened(text))
+/// The flaw of a text that is not JSON, or not the expected JSON. The parser's message may quote a long text, so it is
+/// shortened.
+pub(super) fn json_flaw(expected: impl Into<Cow<'static, str>>, error: &serde_json::Error) -> Flaw {
+    let error = JsonError::from(error);
+    // The parser names the program's own type after what it found.
+    let message = error.message();
+    let found = match message.strip_prefix("invalid type: ").and_then(|found| found.split_once(", expected ")) {
+        Some((found, _)) => format!("{found}, a value of another type"),
+        None => message.to_owned(),
+    };
+    Flaw::malformed(expected, format!("{} at line {} column {}", shortened(&found), error.line(), error.column()))
 }

@@ -18,12 +18,13 @@ mod fusion;
 mod library_fault;
 mod scalar;
 
-pub use library_fault::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryFaults};
+pub use library_fault::{FaultyTool, LibraryFaults};
 
 use crate::cancellation::CancelFlag;
+use crate::file_fault::{self, Flaw};
 use crate::milling::Cutter;
 use crate::quantity::Length;
-use library_fault::{Flaws, LibraryFlaw};
+use library_fault::Flaws;
 use std::collections::BTreeMap;
 
 /// The largest number of tools in a library, of all types together.
@@ -154,9 +155,9 @@ impl ToolLibrary {
     ///
     /// # Errors
     /// The library is full.
-    fn add(&mut self, tool: Result<ReadTool, Flaws>, place: &ToolPlace) -> Result<(), LibraryFlaw> {
+    fn add(&mut self, tool: Result<ReadTool, Flaws>, place: &ToolPlace) -> Result<(), Flaw> {
         if self.count() >= MOST_TOOLS as u64 {
-            return Err(LibraryFlaw::too_large(format!("at most {MOST_TOOLS} tools"), "more"));
+            return Err(Flaw::too_large(format!("at most {MOST_TOOLS} tools"), "more"));
         }
         match tool {
             Ok(ReadTool::Finishing(tool)) => self.tools.push(*tool),
@@ -236,14 +237,5 @@ impl ToolParts {
 
 /// `text` without blanks around it, with its control characters escaped, cut to [`LONGEST_NAME`] characters.
 fn shortened(text: &str) -> String {
-    let text = text.trim();
-    let mut escaped = text.chars().flat_map(|c| {
-        let (plain, escaped) = if c.is_control() { (None, Some(c.escape_default())) } else { (Some(c), None) };
-        plain.into_iter().chain(escaped.into_iter().flatten())
-    });
-    let mut short: String = escaped.by_ref().take(LONGEST_NAME).collect();
-    if escaped.next().is_some() {
-        short.push_str("...");
-    }
-    short
+    file_fault::shortened(text, LONGEST_NAME)
 }

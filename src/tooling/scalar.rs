@@ -1,7 +1,7 @@
 //! A JSON number or text. Values of other types are skipped and not stored.
 
 use super::dimension::number;
-use super::library_fault::{LibraryFlaw, quoted};
+use crate::file_fault::{Flaw, quoted};
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
@@ -16,20 +16,20 @@ pub(super) enum Scalar {
 
 impl Scalar {
     /// The number, or the number that the text contains.
-    pub(super) fn number(&self) -> Result<f64, LibraryFlaw> {
+    pub(super) fn number(&self) -> Result<f64, Flaw> {
         match self {
             Self::Number(value) => Ok(*value),
             Self::Text(text) => number(text),
-            Self::Other(kind) => Err(LibraryFlaw::malformed("a number", *kind)),
+            Self::Other(kind) => Err(Flaw::malformed("a number", *kind)),
         }
     }
 
     /// The text; for a number, its digits.
-    pub(super) fn text(&self) -> Result<String, LibraryFlaw> {
+    pub(super) fn text(&self) -> Result<String, Flaw> {
         match self {
             Self::Number(value) => Ok(value.to_string()),
             Self::Text(text) => Ok(text.clone()),
-            Self::Other(kind) => Err(LibraryFlaw::malformed("a text", *kind)),
+            Self::Other(kind) => Err(Flaw::malformed("a text", *kind)),
         }
     }
 

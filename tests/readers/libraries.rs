@@ -2,8 +2,9 @@
 
 use crate::writers::{directory_alone, zip};
 use approx::assert_relative_eq;
+use scallopd::file_fault::{FileFault, FileFaultKind, FilePlace};
 use scallopd::milling::CutterKind;
-use scallopd::tooling::{FaultyTool, LibraryFault, LibraryFaultKind, LibraryTool, MOST_FAULTY, MOST_TOOLS, ToolLibrary};
+use scallopd::tooling::{FaultyTool, LibraryTool, MOST_FAULTY, MOST_TOOLS, ToolLibrary};
 use serde_json::{Value, json};
 
 fn read(bytes: impl AsRef<[u8]>) -> ToolLibrary {
@@ -20,7 +21,7 @@ fn only(bytes: impl AsRef<[u8]>) -> LibraryTool {
 }
 
 /// The fault of a library that has only one.
-fn refused(bytes: &[u8], file: &str) -> LibraryFault {
+fn refused(bytes: &[u8], file: &str) -> FileFault {
     let faults = ToolLibrary::read(bytes, Some(file)).unwrap_err();
     assert_eq!(faults.all().len(), 1, "{faults}");
     faults.all()[0].clone()
@@ -173,7 +174,7 @@ fn faults_of_fusion_name_file_tool_and_member() {
         let [tool] = library.faulty() else { panic!("{:?}", library.faulty()) };
         let [fault] = tool.faults() else { panic!("{tool:?}") };
         assert_eq!(tool.name(), "5/8\" R.03 bull nose");
-        assert_eq!((fault.file(), fault.tool()), ("mills.tools/shop/tools.json", Some("tool 2 \"5/8\" R.03 bull nose\"")));
+        assert_eq!(fault.place().to_string(), "mills.tools/shop/tools.json, tool 2 \"5/8\" R.03 bull nose\"");
         assert!(fault.member().is_some_and(|member| sentence.starts_with(member)));
     }
 }
@@ -281,8 +282,8 @@ fn tool_files_that_no_list_of_the_zip_names_are_counted_not_read() {
     assert!(library.faulty()[0].to_string().starts_with("mills/b.fctb, tool 1: expected a tool of FreeCAD in JSON"));
     let broken: [(&str, &[u8]); 4] = [("a.fctb", &a), ("x.fctl", b"{"), ("y.fctl", b"[]"), ("z.fctl", &other)];
     let faults = ToolLibrary::read(&zip(&broken), Some("mills")).unwrap_err();
-    let files: Vec<_> = faults.all().iter().map(LibraryFault::file).collect();
-    assert_eq!(files, ["mills/x.fctl", "mills/y.fctl"]);
+    let places: Vec<String> = faults.all().iter().map(|fault| fault.place().to_string()).collect();
+    assert_eq!(places, ["mills/x.fctl", "mills/y.fctl"]);
 }
 
 #[test]
@@ -387,22 +388,22 @@ fn a_spindle_speed_with_a_mark_between_thousands_is_refused() {
 #[test]
 fn files_other_than_libraries_are_refused() {
     for (file, kind) in [
-        (b"".as_slice(), LibraryFaultKind::Empty),
-        (b"solid part\n", LibraryFaultKind::UnknownFormat),
-        (b"x,y,z\n1,2,3\n", LibraryFaultKind::UnknownFormat),
-        (b"\x89PNG\r\n\x1a\n\0\0", LibraryFaultKind::UnknownFormat),
-        (b"{}", LibraryFaultKind::UnknownFormat),
-        (b"[1, 2]", LibraryFaultKind::Malformed),
-        (b"{\"data\": 5}", LibraryFaultKind::Malformed),
-        (b"{\"data\": []}", LibraryFaultKind::Empty),
-        (b"{\"data\": [{\"type\": \"drill\"}", LibraryFaultKind::Malformed),
-        (b"type,diameter_mm\n", LibraryFaultKind::Empty),
-        (b"PK\x03\x04 and nothing else", LibraryFaultKind::Malformed),
+        (b"".as_slice(), FileFaultKind::Empty),
+        (b"solid part\n", FileFaultKind::UnknownFormat),
+        (b"x,y,z\n1,2,3\n", FileFaultKind::UnknownFormat),
+        (b"\x89PNG\r\n\x1a\n\0\0", FileFaultKind::UnknownFormat),
+        (b"{}", FileFaultKind::UnknownFormat),
+        (b"[1, 2]", FileFaultKind::Malformed),
+        (b"{\"data\": 5}", FileFaultKind::Malformed),
+        (b"{\"data\": []}", FileFaultKind::Empty),
+        (b"{\"data\": [{\"type\": \"drill\"}", FileFaultKind::Malformed),
+        (b"type,diameter_mm\n", FileFaultKind::Empty),
+        (b"PK\x03\x04 and nothing else", FileFaultKind::Malformed),
     ] {
         let faults = ToolLibrary::read(file, None).unwrap_err();
         let [fault] = faults.all() else { panic!("{faults}") };
         assert_eq!(fault.kind(), kind, "{fault}");
-        assert_eq!(fault.file(), "the library");
+        assert_eq!(*fault.place(), FilePlace::Tool { file: "the library".into(), tool: None });
     }
 }
 
@@ -410,33 +411,33 @@ fn files_other_than_libraries_are_refused() {
 fn hostile_libraries_are_refused_within_their_limits() {
     let kind = |bytes: &[u8]| refused(bytes, "bomb").kind();
     let zeros = vec![b' '; 40 << 20];
-    assert_eq!(kind(&zip(&[("a.json", &zeros)])), LibraryFaultKind::TooLarge);
+    assert_eq!(kind(&zip(&[("a.json", &zeros)])), FileFaultKind::TooLarge);
     // Every entry is within the limit, but not their sum.
     let quarter = zeros[..10 << 20].to_vec();
     let bomb: Vec<(String, &[u8])> = (0..5).map(|index| (format!("{index}.csv"), quarter.as_slice())).collect();
     let bomb: Vec<(&str, &[u8])> = bomb.iter().map(|(name, content)| (name.as_str(), *content)).collect();
-    assert_eq!(kind(&zip(&bomb)), LibraryFaultKind::TooLarge);
+    assert_eq!(kind(&zip(&bomb)), FileFaultKind::TooLarge);
     let inner = zip(&[("tools.json", &fusion(&[bull_nose()]))]);
     for name in ["a.tools", "a.zip", "a.json"] {
         let fault = refused(&zip(&[(name, &inner)]), "b.zip");
         assert_eq!(fault.to_string(), format!("b.zip/{name}: expected no zip inside a zip, found one"));
     }
     let many = "B6,ball_end,6\n".repeat(MOST_TOOLS + 1);
-    assert_eq!(kind(format!("name,type,diameter_mm\n{many}").as_bytes()), LibraryFaultKind::TooLarge);
+    assert_eq!(kind(format!("name,type,diameter_mm\n{many}").as_bytes()), FileFaultKind::TooLarge);
     let drills = format!("{{\"data\": [{}{{\"type\": \"drill\"}}]}}", "{\"type\": \"drill\"},".repeat(MOST_TOOLS));
-    assert_eq!(kind(drills.as_bytes()), LibraryFaultKind::TooLarge);
+    assert_eq!(kind(drills.as_bytes()), FileFaultKind::TooLarge);
     let deep = format!("{{\"data\": [{}", "[".repeat(1 << 20));
-    assert_eq!(kind(deep.as_bytes()), LibraryFaultKind::Malformed);
+    assert_eq!(kind(deep.as_bytes()), FileFaultKind::Malformed);
     let list = format!("{{\"tools\": [{}{{}}]}}", "{},".repeat(1 << 20));
-    assert_eq!(kind(&zip(&[("a.fctl", list.as_bytes())])), LibraryFaultKind::Malformed);
-    assert_eq!(kind(",".repeat(5 << 20).as_bytes()), LibraryFaultKind::TooLarge);
-    assert_eq!(kind(&vec![b'x'; 33 << 20]), LibraryFaultKind::TooLarge);
+    assert_eq!(kind(&zip(&[("a.fctl", list.as_bytes())])), FileFaultKind::Malformed);
+    assert_eq!(kind(",".repeat(5 << 20).as_bytes()), FileFaultKind::TooLarge);
+    assert_eq!(kind(&vec![b'x'; 33 << 20]), FileFaultKind::TooLarge);
 }
 
 #[test]
 fn a_zip_of_many_entries_is_refused_at_the_limit() {
     let fault = refused(&directory_alone(600_000), "many.zip");
-    assert_eq!((fault.kind(), fault.found()), (LibraryFaultKind::TooLarge, "a ZIP archive of more than 20000 entries"));
+    assert_eq!((fault.kind(), fault.found()), (FileFaultKind::TooLarge, "a ZIP archive of more than 20000 entries"));
 }
 
 /// The shapes of a library's tools: outer and corner radius, in mm.

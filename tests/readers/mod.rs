@@ -11,7 +11,8 @@ mod text;
 mod three_mf;
 
 use crate::writers::binary_stl;
-use scallopd::surface::read::{FileFault, FileFaultKind, Format, FormatHint, Notes, ReadError, ReadSummary, Reader};
+use scallopd::file_fault::{FileFault, FileFaultKind};
+use scallopd::surface::read::{Format, FormatHint, Notes, ReadError, ReadSummary, Reader};
 use scallopd::surface::{Sink, Unit};
 use std::io::{self, Read};
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::writers::words;
-use scallopd::surface::read::FileLocation;
+use scallopd::file_fault::FilePlace;
 
 const ASCII: &str = "ply\nformat ascii 1.0\ncomment by nobody\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
     element face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0.5\n1 1 0.75\n0 1 0.25\n3 0 1 2\n4 0 1 2 3\n";
@@ -143,7 +143,7 @@ fn a_file_cut_anywhere_is_refused() {
         for length in 0..file.len() {
             let fault = read(&file[..length]).unwrap_err();
             if length >= body {
-                assert_eq!((fault.kind(), fault.location()), (FileFaultKind::Truncated, FileLocation::Byte(length as u64)), "{fault}");
+                assert_eq!((fault.kind(), fault.place()), (FileFaultKind::Truncated, &FilePlace::Byte(length as u64)), "{fault}");
             }
         }
     }
@@ -225,12 +225,12 @@ fn faulty_binary_rows_are_refused_with_their_byte() {
         read(file).unwrap_err()
     };
     let nan = with(12 + 4, &f32::NAN.to_le_bytes());
-    assert_eq!((nan.kind(), nan.location(), nan.found()), (FileFaultKind::OutOfRange, FileLocation::Byte((body + 16) as u64), "NaN"));
+    assert_eq!((nan.kind(), nan.place(), nan.found()), (FileFaultKind::OutOfRange, &FilePlace::Byte((body + 16) as u64), "NaN"));
     for number in [4_i32, -1, i32::MIN, i32::MAX] {
         let fault = with(48 + 1 + 8, &number.to_le_bytes());
         assert_eq!(
-            (fault.kind(), fault.location(), fault.found()),
-            (FileFaultKind::OutOfRange, FileLocation::Byte((body + 57) as u64), &*number.to_string())
+            (fault.kind(), fault.place(), fault.found()),
+            (FileFaultKind::OutOfRange, &FilePlace::Byte((body + 57) as u64), &*number.to_string())
         );
     }
     let two = with(48, &[2]);

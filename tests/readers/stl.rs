@@ -86,7 +86,7 @@ fn ascii_that_is_cut_off_is_read_only_between_facets() {
                 fault.found() == "the end of the file"
                     || fault.found() == "an empty file"
                     || length < 90
-                    || fault.location() == last_line(head),
+                    || *fault.place() == last_line(head),
                 "{fault}"
             ),
         }
@@ -94,8 +94,8 @@ fn ascii_that_is_cut_off_is_read_only_between_facets() {
 }
 
 /// The line number at which a word that is cut off is refused: the last line.
-fn last_line(text: &str) -> scallopd::surface::read::FileLocation {
-    scallopd::surface::read::FileLocation::Line(text.split('\n').count() as u64)
+fn last_line(text: &str) -> scallopd::file_fault::FilePlace {
+    scallopd::file_fault::FilePlace::Line(text.split('\n').count() as u64)
 }
 
 #[test]
@@ -129,10 +129,7 @@ fn binary_cut_anywhere_is_refused() {
     for length in 0..file.len() {
         let fault = read(&file[..length]).unwrap_err();
         if length > 84 {
-            assert_eq!(
-                (fault.kind(), fault.location()),
-                (FileFaultKind::Truncated, scallopd::surface::read::FileLocation::Byte(length as u64))
-            );
+            assert_eq!((fault.kind(), fault.place()), (FileFaultKind::Truncated, &scallopd::file_fault::FilePlace::Byte(length as u64)));
         }
     }
 }

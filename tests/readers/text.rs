@@ -1,8 +1,8 @@
 //! The readers of points in text and of ASCII PCD.
 
 use super::*;
+use scallopd::file_fault::FilePlace;
 use scallopd::surface::Unit;
-use scallopd::surface::read::FileLocation;
 
 const TWO: [[f64; 3]; 2] = [[1.5, -2.0, 3.25], [4.0, 5.5, -6.0]];
 
@@ -284,7 +284,7 @@ fn a_matrix_of_heights_is_refused_whatever_its_size() {
     for (rows, columns) in [(3, 4), (4, 4), (30, 4), (30, 7), (7, 12), (200, 5), (2000, 8), (30_000, 6)] {
         let heights = table(rows, columns, bumpy);
         let fault = read(&heights).unwrap_err();
-        assert_eq!((fault.kind(), fault.location()), (FileFaultKind::Ambiguous, FileLocation::Line(1)), "{rows} x {columns}");
+        assert_eq!((fault.kind(), fault.place()), (FileFaultKind::Ambiguous, &FilePlace::Line(1)), "{rows} x {columns}");
         assert_eq!(fault.expected(), "a header that names x, y and z");
         let readings = "either a matrix of heights, or points and their properties; send heights as points x, y, z";
         assert_eq!(fault.found(), format!("{rows} lines of {columns} numbers: {readings}"));
@@ -307,7 +307,7 @@ fn three_columns_of_nearly_equal_numbers_can_be_a_matrix_of_heights() {
     for rows in [8, 30, 150] {
         let heights = table(rows, 3, bumpy);
         let fault = read(&heights).unwrap_err();
-        assert_eq!((fault.kind(), fault.location()), (FileFaultKind::Ambiguous, FileLocation::Line(1)), "{rows}");
+        assert_eq!((fault.kind(), fault.place()), (FileFaultKind::Ambiguous, &FilePlace::Line(1)), "{rows}");
         let readings = "either a matrix of heights, or points along x = y = z; send heights as points x, y, z";
         assert_eq!(fault.found(), format!("{rows} lines of three nearly equal numbers: {readings}"));
         assert_eq!(points_beside_others(&format!("x y z\n{heights}")), rows as usize);

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::writers::{RELATIONSHIPS, directory_alone, mesh_object, model, package, zip};
+use scallopd::file_fault::FilePlace;
 use scallopd::surface::Unit;
-use scallopd::surface::read::FileLocation;
 
 const VERTICES: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 1.0, 0.25]];
 
@@ -123,7 +123,7 @@ fn models_without_a_surface_are_refused_with_their_file() {
     }
     let fault = read(package("<model></build>")).unwrap_err();
     assert_eq!((fault.kind(), fault.expected()), (FileFaultKind::Malformed, "well-formed XML"));
-    assert_eq!(fault.location(), FileLocation::Entry { path: "3D/3dmodel.model".into(), byte: 7 });
+    assert_eq!(*fault.place(), FilePlace::Entry { path: "3D/3dmodel.model".into(), byte: 7 });
 }
 
 #[test]
@@ -213,7 +213,7 @@ fn hostile_packages_are_refused_within_their_limits() {
     assert_eq!(refused(&package(&deep)), "at most 64 nested elements");
     let many = model("", "<object id=\"1\"/>", &item.repeat(100_001));
     assert_eq!(refused(&package(&many)), "at most 100000 objects, components and build items");
-    assert_eq!(refused(&directory_alone(20_000)), "a 3MF package within its limits");
+    assert_eq!(refused(&directory_alone(20_000)), "a ZIP archive within its limits");
     assert_eq!(refused(&directory_alone(600_000)), "a 3MF file of at most 1048576 bytes");
     assert_eq!(read(directory_alone(4_000_000)).unwrap_err().kind(), FileFaultKind::TooLarge);
 }

@@ -3,7 +3,7 @@
 //! declared with its name, its meaning and a remedy; `docs/codes.md` is generated from the declarations.
 
 mod confidence_code;
-mod file_fault;
+mod file_fault_code;
 mod no_answer_code;
 mod not_ranked_code;
 mod problem_type;
@@ -13,7 +13,7 @@ mod table;
 mod warning_code;
 
 pub(crate) use confidence_code::ConfidenceCode;
-pub(crate) use file_fault::FileFault;
+pub(crate) use file_fault_code::FileFaultCode;
 pub(crate) use no_answer_code::{NoAnswerCode, ProblemFigure};
 pub(crate) use not_ranked_code::NotRankedCode;
 pub(crate) use problem_type::{ProblemType, ServiceProblem};

@@ -1,6 +1,6 @@
 //! The types of problems, each with its HTTP status.
 
-use super::{FileFault, NoAnswerCode, codes, joined_codes};
+use super::{FileFaultCode, NoAnswerCode, codes, joined_codes};
 
 codes! {
     /// A problem of the request as a whole, or of the service.
@@ -25,5 +25,5 @@ codes! {
 
 joined_codes! {
     /// The problem, as a code for programs; docs/codes.md lists meanings and remedies.
-    ProblemType { ServiceProblem, FileFault, NoAnswerCode }
+    ProblemType { ServiceProblem, FileFaultCode, NoAnswerCode }
 }

@@ -1,6 +1,6 @@
 //! The codes of faults in a request's members.
 
-use super::{FileFault, NoAnswerCode, codes, joined_codes};
+use super::{FileFaultCode, NoAnswerCode, codes, joined_codes};
 
 codes! {
     /// A fault in a request's JSON, form or query.
@@ -36,5 +36,5 @@ codes! {
 
 joined_codes! {
     /// The fault, as a code for programs; docs/codes.md lists meanings and remedies.
-    FaultCode { RequestFault, FileFault, NoAnswerCode }
+    FaultCode { RequestFault, FileFaultCode, NoAnswerCode }
 }

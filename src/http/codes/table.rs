@@ -1,6 +1,8 @@
 //! The table of all codes, `docs/codes.md`, checked against the enumerations.
 
-use super::{Code, CodeFamily, ConfidenceCode, Entry, FileFault, NoAnswerCode, NotRankedCode, RequestFault, ServiceProblem, WarningCode};
+use super::{
+    Code, CodeFamily, ConfidenceCode, Entry, FileFaultCode, NoAnswerCode, NotRankedCode, RequestFault, ServiceProblem, WarningCode,
+};
 use axum::http::StatusCode;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -32,7 +34,7 @@ fn all_tables() -> String {
     [
         INTRODUCTION.to_owned(),
         table::<ServiceProblem>("Problems", "The `type` of a problem (RFC 9457) that concerns a request as a whole."),
-        table::<FileFault>(
+        table::<FileFaultCode>(
             "Files",
             "Faults of an uploaded file: the `code` in `errors`, and the `type` of the problem if it is the only fault.",
         ),
@@ -65,7 +67,7 @@ fn the_committed_table_lists_every_code() {
 fn every_name_is_in_kebab_case_and_stands_once_in_its_family() {
     for names in [
         RequestFault::names(),
-        FileFault::names(),
+        FileFaultCode::names(),
         NoAnswerCode::names(),
         NotRankedCode::names(),
         ServiceProblem::names(),

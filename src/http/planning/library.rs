@@ -1,9 +1,10 @@
 //! The tool libraries of an upload: their cutters, faults and warnings.
 
-use crate::http::codes::{FileFault, WarningCode};
+use crate::file_fault::FileFault;
+use crate::http::codes::{FileFaultCode, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{LibraryFilter, NamedCandidate, Warning};
-use crate::tooling::{FaultyTool, LibraryFault, LibraryFaults, ToolLibrary};
+use crate::tooling::{FaultyTool, LibraryFaults, ToolLibrary};
 use std::collections::BTreeMap;
 
 /// The name of the form's parts with libraries.
@@ -40,11 +41,11 @@ impl Libraries {
     }
 
     /// Records faults of each library, at the place of its part.
-    fn record(&self, faults: &mut Faults, of: fn(&Result<ToolLibrary, LibraryFaults>) -> Vec<&LibraryFault>) -> Result<(), Faulted> {
+    fn record(&self, faults: &mut Faults, of: fn(&Result<ToolLibrary, LibraryFaults>) -> Vec<&FileFault>) -> Result<(), Faulted> {
         let (root, mut result) = (JsonPath::Root, Ok(()));
         for (index, library) in self.0.iter().enumerate() {
             for fault in of(library) {
-                result = Err(faults.add(&root.member(LIBRARY).item(index), FileFault::from(fault.kind()), fault));
+                result = Err(faults.add(&root.member(LIBRARY).item(index), FileFaultCode::from(fault.kind()), fault));
             }
         }
         result

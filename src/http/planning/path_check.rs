@@ -7,7 +7,7 @@ use super::upload::{read_file, read_small};
 use crate::budget::{Job, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
 use crate::http::app_state::AppState;
-use crate::http::codes::{FileFault, RequestFault};
+use crate::http::codes::{FileFaultCode, RequestFault};
 use crate::http::document::described;
 use crate::http::json_body::{JsonBody, WrittenJson, read_text};
 use crate::http::multipart::MultipartForm;
@@ -119,7 +119,7 @@ pub(crate) async fn answer_upload(
             |name: &str, faults: &mut Faults| faults.add(&JsonPath::Root.member(name), RequestFault::MissingField, "the part is missing");
         let surface = match surface {
             Some(Ok(surface)) => Ok(surface),
-            Some(Err(fault)) => Err(faults.add(&JsonPath::Root.member(SURFACE.name), FileFault::from(fault.kind()), fault)),
+            Some(Err(fault)) => Err(faults.add(&JsonPath::Root.member(SURFACE.name), FileFaultCode::from(fault.kind()), fault)),
             None => Err(missing(SURFACE.name, &mut faults)),
         };
         let path = program.ok_or(()).map_err(|()| missing(PATH.name, &mut faults)).and_then(|bytes| {

@@ -8,9 +8,10 @@ use super::plan_task::Task;
 use super::recommendation::answer_to;
 use crate::budget::{Held, Job, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::{CancelFlag, CancelOnDrop};
+use crate::file_fault::FileFault;
 use crate::http::app_state::AppState;
 use crate::http::body_pipe::body_pipe;
-use crate::http::codes::{FileFault, RequestFault, ServiceProblem};
+use crate::http::codes::{FileFaultCode, RequestFault, ServiceProblem};
 use crate::http::document::described;
 use crate::http::json_body::{WrittenJson, read_text};
 use crate::http::metrics::Metrics;
@@ -20,7 +21,7 @@ use crate::http::reading::{Components, Fault, Faulted, Faults, JsonPath, ObjectS
 use crate::http::wire::{MOST_CUTTERS, SURFACE, SurfaceWithSource};
 use crate::http::work::Work;
 use crate::surface::ReceivedSurface;
-use crate::surface::read::{self, Format, FormatHint, ReadError, Reader};
+use crate::surface::read::{Format, FormatHint, ReadError, Reader};
 use crate::tooling::ToolLibrary;
 use axum::extract::State;
 use utoipa::openapi::schema::{ArrayBuilder, KnownFormat, ObjectBuilder, SchemaFormat, Type};
@@ -91,9 +92,9 @@ pub(crate) async fn answer(
 #[derive(Debug, Default)]
 struct Received {
     parameters: Option<Vec<u8>>,
-    surface: Option<Result<SurfaceWithSource, read::FileFault>>,
+    surface: Option<Result<SurfaceWithSource, FileFault>>,
     /// The surface that is not cut.
-    avoid: Option<Result<SurfaceWithSource, read::FileFault>>,
+    avoid: Option<Result<SurfaceWithSource, FileFault>>,
     libraries: Libraries,
     /// Faults of the form itself.
     faults: Vec<Fault>,
@@ -190,7 +191,7 @@ impl Received {
         let path = JsonPath::Root.member(SURFACE.name);
         match self.surface.take() {
             Some(Ok(surface)) => Ok(surface),
-            Some(Err(fault)) => Err(faults.add(&path, FileFault::from(fault.kind()), fault)),
+            Some(Err(fault)) => Err(faults.add(&path, FileFaultCode::from(fault.kind()), fault)),
             None => Err(faults.add(&path, RequestFault::MissingField, "the part is missing: the file with the surface")),
         }
     }
@@ -199,7 +200,7 @@ impl Received {
     fn avoid(&mut self, faults: &mut Faults) -> Result<Option<SurfaceWithSource>, Faulted> {
         let path = JsonPath::Root.member(AVOID.name);
         let read = self.avoid.take().transpose();
-        read.map_err(|fault| faults.add(&path, FileFault::from(fault.kind()), fault))
+        read.map_err(|fault| faults.add(&path, FileFaultCode::from(fault.kind()), fault))
     }
 }
 
@@ -210,7 +211,7 @@ pub(super) async fn read_file(
     head: &Head,
     work: &Work,
     metrics: &Metrics,
-) -> Result<Result<SurfaceWithSource, read::FileFault>, Problem> {
+) -> Result<Result<SurfaceWithSource, FileFault>, Problem> {
     let hint = FormatHint::new(head.media_type.as_deref(), head.file_name.as_deref());
     let reader = Reader::new(hint).with_vertex_limit(MOST_VERTICES).with_package_vertex_limit(MOST_VERTICES_OF_A_PACKAGE);
     let reader = reader.with_archive_limit(LARGEST_ARCHIVE);

@@ -2,7 +2,7 @@
 //! allocation.
 
 use super::LARGEST_COORDINATE;
-use super::fault::{FileFaultKind, Flaw, quoted};
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 
 /// The number at the start of `text` and its length in bytes, or `None` if no number starts. `mark` is the decimal
 /// mark, point or comma.
@@ -133,7 +133,7 @@ impl Decimals {
                 bounded(value, word)
             }
             Some((_, length)) if length == word.len() && other == b'.' => {
-                Err(Flaw::malformed("a number with a decimal comma, as before", word))
+                Err(Flaw::quoting("a number with a decimal comma, as before", word))
             }
             _ => Err(no_coordinate(word, expected)),
         }
@@ -156,7 +156,7 @@ fn no_coordinate(word: &[u8], expected: &'static str) -> Flaw {
     } else if has_decimal_comma {
         Flaw::new(FileFaultKind::Malformed, "a number with a decimal point", format!("{}, with a decimal comma", quoted(word)))
     } else {
-        Flaw::malformed(expected, word)
+        Flaw::quoting(expected, word)
     }
 }
 
@@ -213,7 +213,7 @@ mod tests {
         for word in ["1.0000001e12", "1e400", "nan", "-NaN", "inf", "-Infinity", "1.#QNAN"] {
             assert_eq!(coordinate(word.as_bytes(), "a number"), Err(unbounded(&quoted(word.as_bytes()))), "{word}");
         }
-        assert_eq!(coordinate(b"1.2.3", "a number"), Err(Flaw::malformed("a number", b"1.2.3")));
+        assert_eq!(coordinate(b"1.2.3", "a number"), Err(Flaw::quoting("a number", b"1.2.3")));
     }
 
     #[test]
@@ -221,12 +221,12 @@ mod tests {
         let mut decimals = Decimals::default();
         let mut read = |word: &str| decimals.coordinate(word.as_bytes(), "a number");
         assert_eq!([read("7"), read("-0,5e1"), read("2,5"), read("3")], [Ok(7.0), Ok(-5.0), Ok(2.5), Ok(3.0)]);
-        assert_eq!(read("1.5"), Err(Flaw::malformed("a number with a decimal comma, as before", b"1.5")));
+        assert_eq!(read("1.5"), Err(Flaw::quoting("a number with a decimal comma, as before", b"1.5")));
         let mut decimals = Decimals::default();
         assert_eq!(decimals.coordinate(b"1.5", "a number"), Ok(1.5));
         let flaw = decimals.coordinate(b"1,5", "a number").unwrap_err().at_line(1).to_string();
         assert_eq!(flaw, "line 1: expected a number with a decimal point, found \"1,5\", with a decimal comma");
-        assert_eq!(Decimals::default().coordinate(b"1,2,3", "a number"), Err(Flaw::malformed("a number", b"1,2,3")));
+        assert_eq!(Decimals::default().coordinate(b"1,2,3", "a number"), Err(Flaw::quoting("a number", b"1,2,3")));
     }
 
     proptest! {

@@ -1,9 +1,9 @@
 //! Vertices and faces of an indexed mesh, for the readers of OBJ and PLY.
 
 use super::Sink;
-use super::fault::{FileFaultKind, Flaw};
 use super::polygon::{Cut, Polygon};
 use super::vertices::Vertices;
+use crate::file_fault::{FileFaultKind, Flaw};
 
 /// The vertices read so far, and the face that is being read.
 #[derive(Debug)]

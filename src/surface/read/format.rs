@@ -1,8 +1,8 @@
 //! Detection of a file's format, by its content first, then by its media type and name.
 
-use super::fault::{FileFault, FileFaultKind, Flaw};
 use super::known::{KNOWN_AT_START, by_statement};
 use super::words::{Words, is_word, line_end, starts_number, statements};
+use crate::file_fault::{FileFault, FileFaultKind, Flaw};
 use std::fmt;
 
 /// The largest number of bytes examined, more than a licence text in comments at the start of a file has.

@@ -1,7 +1,8 @@
 //! The input of a reader: the file's next bytes or next line, with the count of both for the places of faults.
 
-use super::fault::{FileFaultKind, Flaw, ReadError};
+use super::read_error::ReadError;
 use super::words::{is_blank, line_end, trimmed_start};
+use crate::file_fault::{FileFaultKind, Flaw};
 use std::io::{self, Read};
 use std::ops::Range;
 

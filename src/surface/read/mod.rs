@@ -13,7 +13,6 @@
 mod decimal;
 mod extremes;
 mod faces;
-mod fault;
 mod format;
 mod input;
 mod known;
@@ -22,6 +21,7 @@ mod pcd;
 mod ply;
 mod ply_header;
 mod polygon;
+mod read_error;
 mod stl;
 mod text;
 mod three_mf;
@@ -30,8 +30,8 @@ mod utf_16;
 mod vertices;
 mod words;
 
-pub use fault::{FileFault, FileFaultKind, FileLocation, ReadError};
 pub use format::{Format, FormatHint};
+pub use read_error::ReadError;
 pub use three_mf::DEFAULT_ARCHIVE_LIMIT;
 
 use super::{LARGEST_COORDINATE, Sink, Unit};

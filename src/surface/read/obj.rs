@@ -9,11 +9,12 @@
 
 use super::decimal::Decimals;
 use super::faces::Faces;
-use super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::input::{Input, LONGEST_LINE, too_long};
+use super::read_error::ReadError;
 use super::unit_name::CommentedUnit;
 use super::words::{Words, trimmed};
 use super::{Format, Notes, ReadSummary, Sink};
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 
 /// Reads an OBJ file of at most `vertex_limit` vertices.
 pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
@@ -120,7 +121,7 @@ fn vertex_index(word: &[u8], before: usize) -> Result<Option<usize>, Flaw> {
             && others.split(|byte| *byte == b'/').count() <= 3
             && others.iter().all(|byte| matches!(byte, b'/' | b'-' | b'0'..=b'9')));
     if at == start || !well_formed {
-        return Err(Flaw::malformed("a corner as v, v/vt, v//vn or v/vt/vn", word));
+        return Err(Flaw::quoting("a corner as v, v/vt, v//vn or v/vt/vn", word));
     }
     Ok(if backwards { before.checked_sub(count).filter(|_| count > 0) } else { count.checked_sub(1) })
 }
@@ -162,5 +163,5 @@ fn ignored(keyword: &[u8]) -> Result<(), Flaw> {
         let found = format!("the free-form statement {}; export the surface as a mesh", quoted(keyword));
         return Err(Flaw::new(FileFaultKind::Malformed, "vertices and polygons", found));
     }
-    Err(Flaw::malformed("a statement of OBJ", keyword))
+    Err(Flaw::quoting("a statement of OBJ", keyword))
 }

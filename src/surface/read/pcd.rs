@@ -6,10 +6,11 @@
 
 use super::decimal::{Decimals, names_no_finite_number};
 use super::extremes::CoordinateRange;
-use super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::input::Input;
+use super::read_error::ReadError;
 use super::words::{Words, trimmed};
 use super::{Format, Notes, ReadSummary, Sink};
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 
 /// The largest number of fields of a point.
 const MOST_FIELDS: usize = 1000;
@@ -111,18 +112,18 @@ impl Content {
                     .map(|count| {
                         count
                             .and_then(|count| usize::try_from(count).ok())
-                            .ok_or_else(|| Flaw::malformed("the column counts of the fields", line))
+                            .ok_or_else(|| Flaw::quoting("the column counts of the fields", line))
                     })
                     .collect::<Result<_, _>>()?;
                 Ok(())
             }
             b"POINTS" => {
                 let count = words.next().unwrap_or_default();
-                self.stated = Some(whole(count).ok_or_else(|| Flaw::malformed("the number of points", count))?);
+                self.stated = Some(whole(count).ok_or_else(|| Flaw::quoting("the number of points", count))?);
                 Ok(())
             }
             b"DATA" => self.begin(words.next().unwrap_or_default()),
-            other => Err(Flaw::malformed("VERSION, FIELDS, SIZE, TYPE, COUNT, WIDTH, HEIGHT, VIEWPOINT, POINTS or DATA", other)),
+            other => Err(Flaw::quoting("VERSION, FIELDS, SIZE, TYPE, COUNT, WIDTH, HEIGHT, VIEWPOINT, POINTS or DATA", other)),
         }
     }
 

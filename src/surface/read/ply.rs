@@ -9,11 +9,12 @@
 
 use super::decimal::{Decimals, unbounded};
 use super::faces::{Faces, too_many_vertices};
-use super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::input::Input;
 use super::ply_header::{self, Element, PlyKind, Property, Type, integer};
+use super::read_error::ReadError;
 use super::words::Words;
 use super::{Format, LARGEST_COORDINATE, Notes, ReadSummary, Sink};
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 
 /// Reads a PLY file of at most `vertex_limit` vertices.
 pub(super) fn read(input: &mut Input, vertex_limit: usize, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
@@ -140,13 +141,13 @@ impl Surface<'_> {
                 Property::Scalar { axis: Some(axis), .. } => vertex[axis] = decimals.coordinate(word, "a number")?,
                 Property::Scalar { axis: None, .. } => {}
                 Property::List { corners, .. } => {
-                    let count = integer(word).ok_or_else(|| Flaw::malformed("the length of a list", word))?;
+                    let count = integer(word).ok_or_else(|| Flaw::quoting("the length of a list", word))?;
                     for _ in 0..count {
                         let item = words.next().ok_or_else(missing)?;
                         if corners {
                             let number = integer(item);
                             if number.is_none() && integer(item.strip_prefix(b"-").unwrap_or(item)).is_none() {
-                                return Err(Flaw::malformed("the number of a vertex", item));
+                                return Err(Flaw::quoting("the number of a vertex", item));
                             }
                             self.corner(number, || quoted(item))?;
                         }
@@ -155,7 +156,7 @@ impl Surface<'_> {
             }
         }
         match words.next() {
-            Some(word) => Err(Flaw::malformed(format!("the end of a row of the element {}", element.name), word)),
+            Some(word) => Err(Flaw::quoting(format!("the end of a row of the element {}", element.name), word)),
             None => self.end_row(element.kind, vertex),
         }
     }

@@ -1,10 +1,11 @@
 //! The header of PLY: the lines from `ply` to `end_header`.
 
 use super::Format;
-use super::fault::{FileFaultKind, Flaw, ReadError, quoted};
 use super::input::Input;
+use super::read_error::ReadError;
 use super::unit_name::CommentedUnit;
 use super::words::{Words, line_end};
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 use crate::surface::Unit;
 
 /// The longest header, in bytes; it also bounds the memory for elements and properties.
@@ -68,7 +69,7 @@ impl Type {
             b"uint" | b"uint32" => Self::U32,
             b"float" | b"float32" => Self::F32,
             b"double" | b"float64" => Self::F64,
-            _ => return Err(Flaw::malformed("a type such as float or int32", name)),
+            _ => return Err(Flaw::quoting("a type such as float or int32", name)),
         })
     }
 
@@ -129,7 +130,7 @@ impl HeaderLines {
         let mut words = Words::of(line);
         let keyword = words.next().unwrap_or_default();
         if self.number == 1 {
-            return if keyword == b"ply" { Ok(false) } else { Err(Flaw::malformed("\"ply\"", line)) };
+            return if keyword == b"ply" { Ok(false) } else { Err(Flaw::quoting("\"ply\"", line)) };
         }
         match keyword {
             b"end_header" => return Ok(true),
@@ -137,11 +138,11 @@ impl HeaderLines {
             b"element" => self.element(&mut words)?,
             b"property" => self.property(&mut words)?,
             b"comment" | b"obj_info" | b"" => return self.unit.read(line).map(|()| false),
-            _ => return Err(Flaw::malformed("format, element, property, comment, obj_info or end_header", line)),
+            _ => return Err(Flaw::quoting("format, element, property, comment, obj_info or end_header", line)),
         }
         match words.next() {
             None => Ok(false),
-            Some(word) => Err(Flaw::malformed("the end of the line", word)),
+            Some(word) => Err(Flaw::quoting("the end of the line", word)),
         }
     }
 
@@ -150,11 +151,11 @@ impl HeaderLines {
             b"ascii" => Format::PlyAscii,
             b"binary_little_endian" => Format::PlyLittleEndian,
             b"binary_big_endian" => Format::PlyBigEndian,
-            other => return Err(Flaw::malformed("ascii, binary_little_endian or binary_big_endian", other)),
+            other => return Err(Flaw::quoting("ascii, binary_little_endian or binary_big_endian", other)),
         };
         let version = words.next().unwrap_or_default();
         if version != b"1.0" {
-            return Err(Flaw::malformed("version 1.0", version));
+            return Err(Flaw::quoting("version 1.0", version));
         }
         if self.format.replace(format).is_some() {
             return Err(Flaw::new(FileFaultKind::Malformed, "one format", "a second one"));
@@ -163,7 +164,7 @@ impl HeaderLines {
     }
 
     fn element(&mut self, words: &mut Words) -> Result<(), Flaw> {
-        let name = words.next().ok_or_else(|| Flaw::malformed("the name of an element", b""))?;
+        let name = words.next().ok_or_else(|| Flaw::quoting("the name of an element", b""))?;
         let kind = match name {
             b"vertex" => PlyKind::Vertex,
             b"face" => PlyKind::Face,
@@ -174,7 +175,7 @@ impl HeaderLines {
             return Err(Flaw::new(FileFaultKind::Malformed, "one element of this name", quoted(name)));
         }
         let count = words.next().unwrap_or_default();
-        let count = integer(count).ok_or_else(|| Flaw::malformed("a count of at most 18 digits", count))?;
+        let count = integer(count).ok_or_else(|| Flaw::quoting("a count of at most 18 digits", count))?;
         self.elements.push(Element { kind, name: quoted(name), count, properties: Vec::new() });
         Ok(())
     }
@@ -190,7 +191,7 @@ impl HeaderLines {
             let name = name(words)?;
             let corners = matches!(element.kind, PlyKind::Face | PlyKind::TriStrips) && matches!(name, b"vertex_indices" | b"vertex_index");
             if !count.is_integer() || (corners && !item.is_integer()) {
-                return Err(Flaw::malformed("integers", name));
+                return Err(Flaw::quoting("integers", name));
             }
             Property::List { count, item, corners }
         } else {
@@ -247,7 +248,7 @@ impl Property {
 }
 
 fn name<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Flaw> {
-    words.next().ok_or_else(|| Flaw::malformed("the name of a property", b""))
+    words.next().ok_or_else(|| Flaw::quoting("the name of a property", b""))
 }
 
 /// A whole number of at most 18 digits, so that sums of the counts in a header do not overflow.

@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use super::fault::{FileFaultKind, Flaw};
+use crate::file_fault::{FileFaultKind, Flaw};
 
 /// The largest number of corners of a polygon.
 const MOST_CORNERS: usize = 1 << 16;

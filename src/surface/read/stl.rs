@@ -11,9 +11,10 @@
 //! Normals are ignored in both, because the corners define them: zero and NaN are accepted.
 
 use super::decimal::{Decimals, unbounded};
-use super::fault::{FileFault, FileFaultKind, Flaw, ReadError};
 use super::input::Input;
+use super::read_error::ReadError;
 use super::{Format, LARGEST_COORDINATE, Notes, ReadSummary, Sink};
+use crate::file_fault::{FileFault, FileFaultKind, Flaw};
 
 const END: &str = "the end of the file";
 
@@ -31,7 +32,7 @@ pub(super) fn read_text(input: &mut Input, sink: &mut dyn Sink) -> Result<ReadSu
             in_solid = word.len() == b"solid".len();
             input.skip_words();
         } else {
-            let flaw = Flaw::malformed(if in_solid { "\"facet\" or \"endsolid\"" } else { "\"solid\" or \"facet\"" }, word);
+            let flaw = Flaw::quoting(if in_solid { "\"facet\" or \"endsolid\"" } else { "\"solid\" or \"facet\"" }, word);
             return Err(flaw.at_line(input.number()).into());
         }
     }
@@ -48,7 +49,7 @@ fn read_facet(input: &mut Input, decimals: &mut Decimals) -> Result<[[f64; 3]; 3
     keyword(input, b"normal", "\"normal\"")?;
     for _ in 0..3 {
         let expected = "three numbers of the normal, then \"outer loop\"";
-        read_word(input, expected, |word| if word.eq_ignore_ascii_case(b"outer") { Err(Flaw::malformed(expected, word)) } else { Ok(()) })?;
+        read_word(input, expected, |word| if word.eq_ignore_ascii_case(b"outer") { Err(Flaw::quoting(expected, word)) } else { Ok(()) })?;
     }
     keyword(input, b"outer", "\"outer\"")?;
     keyword(input, b"loop", "\"loop\"")?;
@@ -65,7 +66,7 @@ fn read_facet(input: &mut Input, decimals: &mut Decimals) -> Result<[[f64; 3]; 3
 }
 
 fn keyword(input: &mut Input, name: &[u8], expected: &'static str) -> Result<(), ReadError> {
-    read_word(input, expected, |word| if word.eq_ignore_ascii_case(name) { Ok(()) } else { Err(Flaw::malformed(expected, word)) })
+    read_word(input, expected, |word| if word.eq_ignore_ascii_case(name) { Ok(()) } else { Err(Flaw::quoting(expected, word)) })
 }
 
 /// The result of `read` for the next word, which may stand on a later line.

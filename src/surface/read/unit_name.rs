@@ -1,6 +1,6 @@
 //! Names of units of length, in headers of tables and in comments.
 
-use super::fault::{FileFaultKind, Flaw};
+use crate::file_fault::{FileFaultKind, Flaw};
 use crate::surface::Unit;
 
 /// The unit of length of this name in lower case; an error for a unit that is not supported.
@@ -13,7 +13,7 @@ pub(super) fn length_unit(word: &[u8]) -> Option<Result<Unit, Flaw>> {
         b"in" | b"inch" | b"inches" => Unit::Inch,
         b"ft" | b"foot" | b"feet" => Unit::Foot,
         b"nm" | b"dm" | b"km" | b"mil" | b"thou" | b"yd" | b"yards" => {
-            return Some(Err(Flaw::malformed("coordinates in micrometres, mm, cm, m, inches or feet", word)));
+            return Some(Err(Flaw::quoting("coordinates in micrometres, mm, cm, m, inches or feet", word)));
         }
         _ => return None,
     }))

@@ -1,10 +1,10 @@
 //! Ambiguity of tables without a header. A comma can separate columns or be a decimal comma; lines of many numbers can
 //! be points or a matrix of heights; the first column can be x or the number of the point.
 
-use super::super::fault::{FileFaultKind, Flaw, quoted};
 use super::super::words::trimmed;
 use super::layout::Separator;
 use super::text_evidence::{TextEvidence, WIDEST_POINT};
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 
 /// The interpretations that are still possible after the lines so far.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! The layout of a text: how lines are split into columns and numbers.
 
 use super::super::decimal::{bounded, names_no_finite_number, number, unbounded};
-use super::super::fault::{FileFaultKind, Flaw, quoted};
 use super::super::words::{trimmed, trimmed_start};
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 
 /// The separators of columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -206,7 +206,7 @@ impl Layout {
                 Ok((bounded(value, bare)?, after))
             }
             None if names_no_finite_number(bare) => Err(unbounded(&quoted(bare))),
-            None => Err(Flaw::malformed(self.expected_number(), field)),
+            None => Err(Flaw::quoting(self.expected_number(), field)),
         }
     }
 

@@ -18,10 +18,11 @@ mod table_header;
 mod text_evidence;
 
 use super::extremes::CoordinateRange;
-use super::fault::{FileFaultKind, Flaw, ReadError};
 use super::input::Input;
+use super::read_error::ReadError;
 use super::words::{trimmed, trimmed_start};
 use super::{Format, Notes, ReadSummary, Sink};
+use crate::file_fault::{FileFaultKind, Flaw};
 use crate::surface;
 use ambiguity::Ambiguity;
 use layout::{Layout, Separator};
@@ -195,13 +196,11 @@ impl Table {
             (Some(header), _) if numbers >= 3 && fields != header.width => {
                 Flaw::new(FileFaultKind::Malformed, format!("{} columns, as the header names", header.width), fields.to_string())
             }
-            (Some(header), _) if header.columns[2].0 > 2 => {
-                Flaw::malformed("numbers in the columns that the header names x, y and z", line)
-            }
+            (Some(header), _) if header.columns[2].0 > 2 => Flaw::quoting("numbers in the columns that the header names x, y and z", line),
             (_, 1) => Flaw::new(FileFaultKind::Malformed, "three numbers", "one"),
             (_, 2) => Flaw::new(FileFaultKind::Malformed, "three numbers", "two"),
-            (Some(_), _) => Flaw::malformed("three numbers", line),
-            (None, _) => Flaw::malformed("three numbers, or a header that names x, y and z", line),
+            (Some(_), _) => Flaw::quoting("three numbers", line),
+            (None, _) => Flaw::quoting("three numbers, or a header that names x, y and z", line),
         }
     }
 }
@@ -215,7 +214,7 @@ fn stated_separator(line: &[u8]) -> Option<Result<Separator, Flaw>> {
         b"," => Ok(Separator::Comma),
         b"\t" => Ok(Separator::Tab),
         b" " => Ok(Separator::Blanks),
-        other => Err(Flaw::malformed("a semicolon, comma, tab or blank after sep=", other)),
+        other => Err(Flaw::quoting("a semicolon, comma, tab or blank after sep=", other)),
     })
 }
 

@@ -2,7 +2,7 @@
 //! lines, and then nx times ny points, the first at (xmin, ymin). These three lines look like points.
 
 use super::super::extremes::CoordinateRange;
-use super::super::fault::{FileFault, FileFaultKind, Flaw};
+use crate::file_fault::{FileFault, FileFaultKind, Flaw};
 use crate::surface::Sink;
 
 /// The first points of a table, until it is known whether they are lines before a grid.

@@ -1,8 +1,8 @@
 //! Headers of tables of points: which columns are x, y and z, and in which unit.
 
-use super::super::fault::{FileFaultKind, Flaw, quoted};
 use super::super::unit_name::length_unit;
 use super::layout::Separator;
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 use crate::surface::Unit;
 
 /// The columns and the unit that a header states.

@@ -1,9 +1,9 @@
 //! The facets of a 3MF package: places its build items with their components, recursively.
 
 use super::super::decimal::unbounded;
-use super::super::fault::{FileFault, FileFaultKind, Flaw};
 use super::package_model::{PackageModel, PackageObject, Reference, Transform, is_bounded};
 use super::volumes::Volumes;
+use crate::file_fault::{FileFault, FileFaultKind, Flaw};
 use crate::surface::Sink;
 use std::collections::HashMap;
 

@@ -1,7 +1,7 @@
 //! Refuses objects of a 3MF package that contain themselves.
 
-use super::super::fault::{FileFault, FileFaultKind, Flaw};
 use super::package_model::{PackageModel, Reference};
+use crate::file_fault::{FileFault, FileFaultKind, Flaw};
 use std::collections::{HashMap, HashSet};
 
 /// An object of a package: the path of its model in lower case, and its number.

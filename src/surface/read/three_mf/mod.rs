@@ -21,10 +21,11 @@ mod volumes;
 mod xml;
 mod zipped;
 
-use super::fault::{FileFaultKind, Flaw, ReadError};
 use super::input::Input;
+use super::read_error::ReadError;
 use super::{Format, Notes, ReadSummary, Reader, Sink};
-use crate::archive::{Archive, ArchiveFault, ArchiveLimits};
+use crate::archive::{Archive, ArchiveLimits};
+use crate::file_fault::{FileFaultKind, Flaw};
 use build::Build;
 use cycle::refuse_cycles;
 use package_model::{PackageModel, Room};
@@ -48,7 +49,7 @@ pub(super) fn read(input: &mut Input, reader: Reader, sink: &mut dyn Sink) -> Re
         let flaw = Flaw::new(FileFaultKind::TooLarge, format!("a 3MF file of at most {limit} bytes"), "a larger one");
         return Err(flaw.at_byte(limit as u64).into());
     };
-    let archive = Archive::open(&bytes, LIMITS).map_err(|fault| package_flaw(&fault).at_byte(0))?;
+    let archive = Archive::open(&bytes, LIMITS).map_err(|fault| Flaw::from(&fault).at_byte(0))?;
     let mut package = Package { archive, input };
     let Some(root) = root_model(&mut package)? else { return zipped::read(&mut package, reader, sink) };
     let volumes = Volumes::read(&mut package)?;
@@ -119,13 +120,4 @@ fn root_model(package: &mut Package) -> Result<Option<Arc<str>>, ReadError> {
         }
     }
     Ok(package.archive.file("3D/3dmodel.model").map(Into::into))
-}
-
-fn package_flaw(fault: &ArchiveFault) -> Flaw {
-    let kind = match fault {
-        _ if fault.is_limit() => FileFaultKind::TooLarge,
-        ArchiveFault::Damaged(_) => FileFaultKind::Malformed,
-        _ => FileFaultKind::UnknownFormat,
-    };
-    Flaw::new(kind, "a 3MF package within its limits", fault.to_string())
 }

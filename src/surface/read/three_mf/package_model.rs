@@ -3,9 +3,10 @@
 use super::super::LARGEST_COORDINATE;
 use super::super::decimal::coordinate;
 use super::super::faces::too_many_vertices;
-use super::super::fault::{FileFaultKind, Flaw, ReadError, quoted};
+use super::super::read_error::ReadError;
 use super::Package;
 use super::xml::{self, Event, XmlElement};
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 use crate::surface::Unit;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -89,11 +90,11 @@ impl Transform {
         }
         let transform = Self(numbers);
         if words.next().is_some() {
-            return Err(Flaw::malformed("a transform of twelve numbers", text.as_bytes()));
+            return Err(Flaw::quoting("a transform of twelve numbers", text.as_bytes()));
         }
         // No number is NaN; the determinant of bounded numbers is finite.
         if transform.determinant() == 0.0 {
-            return Err(Flaw::malformed("a transform that is not singular", text.as_bytes()));
+            return Err(Flaw::quoting("a transform that is not singular", text.as_bytes()));
         }
         Ok(transform)
     }
@@ -181,7 +182,7 @@ impl Parser<'_> {
                 self.open_model(element)?;
                 Context::PackageModel
             }
-            (None, _) => return Err(Flaw::malformed("the element model", name.as_bytes())),
+            (None, _) => return Err(Flaw::quoting("the element model", name.as_bytes())),
             (Some(Context::PackageModel), "resources") => Context::Resources,
             (Some(Context::PackageModel), "build") => Context::Build,
             (Some(Context::Resources), "object") => {
@@ -239,7 +240,7 @@ impl Parser<'_> {
             Some("inch") => Unit::Inch,
             Some("foot") => Unit::Foot,
             Some("meter") => Unit::Metre,
-            Some(other) => return Err(Flaw::malformed(expected, other.as_bytes())),
+            Some(other) => return Err(Flaw::quoting(expected, other.as_bytes())),
         };
         let required = element.attribute("requiredextensions").unwrap_or_default();
         for prefix in required.split_ascii_whitespace() {
@@ -270,7 +271,7 @@ impl Parser<'_> {
 
     fn object(&mut self) -> Result<&mut PackageObject, Flaw> {
         // The contexts allow no vertex outside an object.
-        self.object.as_mut().map(|(_, object)| object).ok_or_else(|| Flaw::malformed("an object around it", b""))
+        self.object.as_mut().map(|(_, object)| object).ok_or_else(|| Flaw::quoting("an object around it", b""))
     }
 
     fn vertex(&mut self, element: &XmlElement) -> Result<(), Flaw> {
@@ -327,7 +328,7 @@ fn reference(element: &XmlElement) -> Result<Reference, Flaw> {
 
 fn number(element: &XmlElement, attribute: &'static str) -> Result<u32, Flaw> {
     let text = element.attribute(attribute).unwrap_or_default();
-    text.trim().parse().map_err(|_| Flaw::malformed(format!("a whole number as {attribute}"), text.as_bytes()))
+    text.trim().parse().map_err(|_| Flaw::quoting(format!("a whole number as {attribute}"), text.as_bytes()))
 }
 
 /// Whether a placed vertex can be a coordinate.

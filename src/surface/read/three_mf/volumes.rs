@@ -1,9 +1,10 @@
 //! The volumes of a part that the settings of a slicer exclude from it: PrusaSlicer names ranges of triangles of an
 //! object, Bambu Studio and OrcaSlicer name components.
 
-use super::super::fault::{FileFaultKind, Flaw, ReadError, quoted};
+use super::super::read_error::ReadError;
 use super::Package;
 use super::xml::{self, Event, XmlElement};
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 use std::collections::HashMap;
 
 /// The settings files: PrusaSlicer's, and those of Bambu Studio and OrcaSlicer.

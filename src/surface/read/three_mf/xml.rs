@@ -1,8 +1,9 @@
 //! Elements of an XML file in an archive, read as a stream in bounded memory.
 
-use super::super::fault::{FileFaultKind, Flaw, ReadError, quoted};
-use super::{Package, package_flaw};
+use super::super::read_error::ReadError;
+use super::Package;
 use crate::archive::ArchiveLimits;
+use crate::file_fault::{FileFaultKind, Flaw, quoted};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event as Parsed};
 use std::borrow::Cow;
@@ -33,7 +34,7 @@ pub(super) fn read(package: &mut Package, path: &str, mut each: impl FnMut(Event
     let entry = package.file(path).ok_or_else(missing)?.to_owned();
     let Package { archive, input } = package;
     let limits = archive.limits();
-    let content = archive.read(&entry).map_err(|fault| package_flaw(&fault).in_entry(path, 0))?;
+    let content = archive.read(&entry).map_err(|fault| Flaw::from(&fault).in_entry(path, 0))?;
     let mut reader = Reader::from_reader(Metered { inner: BufReader::with_capacity(1 << 16, content), read: 0 });
     reader.config_mut().expand_empty_elements = true;
     let (mut buffer, mut depth) = (Vec::new(), 0);
@@ -72,7 +73,7 @@ fn flaw(limits: ArchiveLimits, error: &quick_xml::Error) -> Flaw {
         quick_xml::Error::Io(error) if error.kind() == io::ErrorKind::QuotaExceeded => {
             Flaw::new(FileFaultKind::TooLarge, format!("at most {LONGEST_EVENT} bytes in a tag or text"), "more")
         }
-        quick_xml::Error::Io(error) => package_flaw(&limits.fault(error)),
+        quick_xml::Error::Io(error) => Flaw::from(&limits.fault(error)),
         error => Flaw::new(FileFaultKind::Malformed, "well-formed XML", quoted(error.to_string().as_bytes())),
     }
 }

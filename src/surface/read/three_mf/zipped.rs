@@ -1,10 +1,11 @@
 //! A surface file that is the only file of a ZIP archive.
 
-use super::super::fault::{FileFaultKind, Flaw, ReadError};
 use super::super::format::EXPECTED;
+use super::super::read_error::ReadError;
 use super::super::{FormatHint, ReadSummary, Reader, Sink};
-use super::{Package, package_flaw};
+use super::Package;
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits, Inflating};
+use crate::file_fault::{FileFaultKind, Flaw};
 use crate::surface::read::input::Input;
 use std::io::{self, BufRead, BufReader, Read};
 
@@ -28,7 +29,7 @@ pub(super) fn read(package: &mut Package, reader: Reader, sink: &mut dyn Sink) -
         return Err(refused(format!("a ZIP archive of {} files that is not a 3MF package; send the file itself", files.len())));
     };
     let limits = archive.limits();
-    let content = archive.read(path).map_err(|fault| package_flaw(&fault).in_entry(path, 0))?;
+    let content = archive.read(path).map_err(|fault| Flaw::from(&fault).in_entry(path, 0))?;
     let mut content = BufReader::new(Unzipped { content, input, limits });
     if Archive::is_archive(content.fill_buf().map_err(|error| unzipped(error, path))?) {
         return Err(refused("a ZIP archive in a ZIP archive; send the file itself".to_owned()));
@@ -43,7 +44,7 @@ pub(super) fn read(package: &mut Package, reader: Reader, sink: &mut dyn Sink) -
 /// The fault of a file that cannot be inflated, or the error of the archive's own source.
 fn unzipped(error: io::Error, path: &str) -> ReadError {
     match error.get_ref().and_then(|inner| inner.downcast_ref::<ArchiveFault>()) {
-        Some(fault) => package_flaw(fault).in_entry(path, 0).into(),
+        Some(fault) => Flaw::from(fault).in_entry(path, 0).into(),
         None => error.into(),
     }
 }

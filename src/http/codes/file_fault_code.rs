@@ -1,12 +1,11 @@
 //! The codes of faults of an uploaded file. Each is also the type of a problem.
 
 use super::{codes, same_names};
-use crate::surface::read::FileFaultKind;
-use crate::tooling::LibraryFaultKind;
+use crate::file_fault::FileFaultKind;
 
 codes! {
     /// A fault of an uploaded file.
-    FileFault {
+    FileFaultCode {
         UnknownFormat = "unknown-format" UNSUPPORTED_MEDIA_TYPE: "The file's format is not supported", "Send points in text or PCD, STL, OBJ, PLY or 3MF, and tool libraries of Fusion or FreeCAD or in CSV; give the file's name or media type.";
         Malformed = "malformed-file" BAD_REQUEST: "The file is malformed", "Correct the line or byte that the detail names, or export the file again.";
         Truncated = "truncated-file" BAD_REQUEST: "The file is cut off", "Send the whole file.";
@@ -17,5 +16,4 @@ codes! {
     }
 }
 
-same_names!(FileFaultKind => FileFault: UnknownFormat, Malformed, Truncated, TooLarge, Ambiguous, OutOfRange, Empty);
-same_names!(LibraryFaultKind => FileFault: UnknownFormat, Malformed, OutOfRange, TooLarge, Empty);
+same_names!(FileFaultKind => FileFaultCode: UnknownFormat, Malformed, Truncated, TooLarge, Ambiguous, OutOfRange, Empty);
