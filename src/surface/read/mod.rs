@@ -5,7 +5,7 @@
 //! vertices by number, the vertices are stored. For 3MF, whose directory is at its end, the compressed file and its
 //! meshes are stored. Memory grows with the data that arrive, not with the counts that a file states.
 //!
-//! A file that cannot be read, or is ambiguous, is refused with a [`FileFault`] that names the line or byte. Data that the
+//! A file that cannot be read, or is ambiguous, is refused with a [`FileFault`](crate::file_fault::FileFault) that names the line or byte. Data that the
 //! reader leaves out are counted in the [`ReadSummary`]. Coordinates are passed on in the file's unit, which is in the
 //! summary if the file states it. A reader ends early only with an error of its source: a source that is no longer
 //! needed returns one.
@@ -142,7 +142,7 @@ impl Reader {
     /// Reads the file that `source` delivers, and passes its points or facets to `sink`.
     ///
     /// # Errors
-    /// [`ReadError`] with the first [`FileFault`] of the file, or with an error of the source.
+    /// [`ReadError`] with the first [`FileFault`](crate::file_fault::FileFault) of the file, or with an error of the source.
     pub fn read(self, mut source: impl Read, sink: &mut dyn Sink) -> Result<ReadSummary, ReadError> {
         let mut input = Input::new(&mut source);
         match Utf16::by_mark(input.peek(2)?) {
