@@ -3,6 +3,7 @@
 
 use super::family::{Family, Heading};
 use super::prepared::Prepared;
+use super::runs::STEP_IN_RADII;
 use super::settings::{Pattern, PlanSettings};
 use super::spread::{Allowed, Seen, Spread};
 use super::stations::Station;
@@ -12,6 +13,9 @@ use super::workpiece::Workpiece;
 /// The mean distances of a strip's stations beyond which two of them belong to different runs: random ones are with a probability
 /// of e^-12, and a lift that is none costs seconds.
 const GAP: f64 = 12.0;
+
+/// The same for a run beside which another one goes on.
+const PASSED: f64 = 4.0;
 
 /// The most lines of a plan.
 pub(super) const MOST_LINES: usize = 50_000;
@@ -40,53 +44,61 @@ pub(super) fn seconds(
             + travel::straight(travel::APPROACH_HEIGHT, prepared.link_rate, &settings.machine)
     };
     let mut seconds = 0.0;
+    let mut most_runs = 0;
     for (index, &line) in lines.iter().enumerate() {
         let before = if index == 0 { spread.range[0] } else { f64::midpoint(lines[index - 1], line) };
         let after = if index + 1 == lines.len() { spread.range[1] } else { f64::midpoint(line, lines[index + 1]) };
         let width = (after - before).max(1e-9);
         let strip = spread.between(before, after);
-        // The stations of a strip are as far apart along it as their share of its area says. By chance two of thousands may be some
-        // times farther apart.
-        let gap = (2.0 * radius).max(GAP * area_of_station / width);
-        let runs = runs_of(strip, gap);
-        let mut longest: f64 = 0.0;
+        // The stations of a strip are as far apart along it as their share of its area says.
+        let runs = runs_of(strip, radius, area_of_station / width);
+        // Runs between the same walls follow each other, on one line after the other.
+        let link = travel::straight(width, prepared.link_rate, &settings.machine);
         for run in &runs {
             seconds += travel::run(run.length / width, run.time / width, &settings.machine);
-            longest = longest.max(run.length / width);
-        }
-        #[expect(clippy::cast_precision_loss, reason = "few runs")]
-        let further = runs.len().saturating_sub(1) as f64;
-        seconds += further * lift(4.0 * radius);
-        if index > 0 {
             seconds += match settings.pattern {
-                Pattern::Zigzag => travel::straight(line - lines[index - 1], prepared.link_rate, &settings.machine),
-                Pattern::OneWay => lift(longest),
+                Pattern::Zigzag => link,
+                Pattern::OneWay => lift(run.length / width),
             };
         }
+        most_runs = most_runs.max(runs.len());
     }
-    Some(seconds)
+    // One lift from each row of such runs to the next.
+    #[expect(clippy::cast_precision_loss, reason = "few runs")]
+    let further = most_runs.saturating_sub(1) as f64;
+    Some(seconds + further * lift(4.0 * radius))
 }
 
-struct RunSums {
+/// The stations of one run, as far as they are known.
+struct RunSums<'a> {
     length: f64,
     time: f64,
+    last: &'a Seen,
 }
 
-/// The stations of a strip, in runs: apart where no station is within `gap` along the line.
-fn runs_of(strip: &[Seen], gap: f64) -> Vec<RunSums> {
+/// The stations of a strip, in runs. A run ends where no station follows it, and at walls, which the cutter does not climb at the
+/// feed rate. `mean` is the mean distance in mm of the strip's stations along it.
+fn runs_of(strip: &[Seen], radius: f64, mean: f64) -> Vec<RunSums<'_>> {
+    let gap = (2.0 * radius).max(GAP * mean);
+    let passed = (2.0 * radius).max(PASSED * mean);
     let mut along: Vec<&Seen> = strip.iter().collect();
     along.sort_unstable_by(|a, b| a.along.total_cmp(&b.along));
-    let mut runs: Vec<RunSums> = Vec::new();
-    let mut last = f64::NEG_INFINITY;
+    let mut runs: Vec<RunSums<'_>> = Vec::new();
+    // A wall that crosses the strip obliquely has stations of both runs beside each other. Runs of which the other has passed the end
+    // have ended.
+    let mut open: Vec<usize> = Vec::new();
     for seen in along {
-        if seen.along - last > gap {
-            runs.push(RunSums { length: 0.0, time: 0.0 });
-        }
-        last = seen.along;
-        if let Some(run) = runs.last_mut() {
-            run.length += seen.length;
-            run.time += seen.time;
-        }
+        open.retain(|&run| seen.along - runs[run].last.along <= gap);
+        let joined = open.iter().copied().filter(|&run| !runs[run].last.is_walled_off(seen, STEP_IN_RADII * radius));
+        let joined = joined.max_by(|&a, &b| runs[a].last.along.total_cmp(&runs[b].last.along));
+        let run = joined.unwrap_or_else(|| {
+            runs.push(RunSums { length: 0.0, time: 0.0, last: seen });
+            open.push(runs.len() - 1);
+            runs.len() - 1
+        });
+        let RunSums { length, time, last } = &mut runs[run];
+        (*length, *time, *last) = (*length + seen.length, *time + seen.time, seen);
+        open.retain(|&other| seen.along - runs[other].last.along <= passed);
     }
     runs
 }

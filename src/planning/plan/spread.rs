@@ -11,6 +11,10 @@ use super::workpiece::Workpiece;
 pub(super) struct Seen {
     pub(super) along: f64,
     pub(super) across: f64,
+    /// The height of the tip.
+    tip: f64,
+    /// The tangent of the slope.
+    rise: f64,
     /// The squared spacing that it allows, in mm^2.
     pub(super) squared: f64,
     /// Whether it is nearly level: the spacing is that of the cutter's flat, and hardly more of it leaves far more height.
@@ -19,6 +23,14 @@ pub(super) struct Seen {
     pub(super) length: f64,
     /// Its part of the integral of time over the distance across, in s mm.
     pub(super) time: f64,
+}
+
+impl Seen {
+    /// Whether a step of more than `step` mm lies between two stations, beyond what their slopes explain.
+    pub(super) fn is_walled_off(&self, other: &Self, step: f64) -> bool {
+        let distance = (other.along - self.along).hypot(other.across - self.across);
+        (other.tip - self.tip).abs() > step + self.rise.max(other.rise) * distance
+    }
 }
 
 /// The stations that the cutter reaches, by their distance across the lines.
@@ -43,7 +55,8 @@ impl Spread {
             let length = station.place.area * family.ratio(tangent);
             let time = length / prepared.feeds.rate(tangent, cos_alpha, 1.0);
             let squared = family.squared_spacing(prepared, tangent);
-            seen.push(Seen { along, across, squared, is_level: tangent.sin < NEARLY_LEVEL, length, time });
+            let rise = tangent.sin * tangent.per_cos;
+            seen.push(Seen { along, across, tip: station.tip, rise, squared, is_level: tangent.sin < NEARLY_LEVEL, length, time });
         }
         seen.sort_unstable_by(|a, b| a.across.total_cmp(&b.across));
         let range = match (seen.first(), seen.last()) {

@@ -1,6 +1,7 @@
 //! The order of the candidates, those without a plan, and the confidence.
 
-use super::surfaces::{Facet, Height, facets, published, quadrilateral};
+use super::parts::steps;
+use super::surfaces::{Facet, Height, facets, placed, published, quadrilateral};
 use super::{drive, in_direction, mm, published_cutters, ranked, settings, workpiece};
 use scallopd::milling::{Cutter, Model};
 use scallopd::planning::Level;
@@ -57,6 +58,23 @@ fn a_level_surface_is_planned_and_no_spacing_exceeds_the_cutter() {
         println!("{model:?}: {spacing:?}, {:?}", milled(torus).finish);
         assert!(spacing.max.mm() <= widest + 1e-9 && milled(torus).finish.far_over_share <= 0.005, "{spacing:?}");
     }
+}
+
+/// Lines across stairs stop at every wall; the estimates of directions have to know.
+#[test]
+fn lines_follow_walls_at_which_others_stop() {
+    let stairs: Vec<[f64; 1]> = (0..8).map(|step| [2.0 * f64::from(step)]).collect();
+    let heights: Vec<&[f64]> = stairs.iter().map(<[f64; 1]>::as_slice).collect();
+    let xs: Vec<f64> = (0..=8).map(|edge| 8.0 * f64::from(edge)).collect();
+    let facets = placed(&steps(&xs, &[0.0, 40.0], &heights), 20.0, [0.0; 3]);
+    let cutter = [CandidateCutter::new(Cutter::toroidal(mm(6.0), mm(1.0)).unwrap())];
+    let [any, across] = [settings(Model::Envelope), in_direction(Model::Envelope, 20.0)].map(|settings| {
+        // The corner of the cutter does not reach the feet of the walls.
+        ranked(&facets, &cutter, &PlanSettings { max_uncut_share: 0.5, ..settings }).plans
+    });
+    let (best, across) = (&any[0], &across[0]);
+    println!("{:?} in {:?}, across {:?}", best.time, best.direction, across.time);
+    assert!((best.direction.degrees() - 110.0).abs() < 5.0 && best.time.seconds() < 0.8 * across.time.seconds());
 }
 
 #[test]
