@@ -37,13 +37,25 @@ pub(super) struct Planned {
     pub(super) slopes: [f64; 2],
     /// Whether it machines only what the operations before it cannot reach.
     pub(super) is_rest: bool,
-    seconds: f64,
+    /// The estimated time.
+    pub(super) seconds: f64,
 }
 
 impl Planned {
     /// Whether both have the same cutter and lines, and so the same estimate that they machine the same facets.
-    pub(super) fn is_alike(&self, other: &Self) -> bool {
+    fn is_alike(&self, other: &Self) -> bool {
         (self.tool, self.family, self.is_rest, self.seconds) == (other.tool, other.family, other.is_rest, other.seconds)
+    }
+
+    /// Whether both are the same operation. What a rest machines depends on the operations before it.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        self.is_alike(other) && self.has_such_lines(other)
+    }
+
+    /// Whether both have planes or both have levels, on the same slopes.
+    #[expect(clippy::float_cmp, reason = "bounds are those of a list")]
+    pub(super) fn has_such_lines(&self, other: &Self) -> bool {
+        !self.is_rest && !other.is_rest && self.slopes == other.slopes && self.family.is_like(&other.family)
     }
 }
 
@@ -53,6 +65,19 @@ pub(super) struct Arrangement {
     pub(super) operations: Vec<Planned>,
     /// The estimated time, tool changes included.
     pub(super) seconds: f64,
+}
+
+impl Arrangement {
+    /// The number of tool changes.
+    pub(super) fn tool_changes(&self) -> usize {
+        self.operations.windows(2).filter(|pair| pair[0].tool != pair[1].tool).count()
+    }
+
+    /// The time of the tool changes in s.
+    #[expect(clippy::cast_precision_loss, reason = "a few")]
+    pub(super) fn change_seconds(&self, settings: &PlanSettings) -> f64 {
+        self.tool_changes() as f64 * settings.machine.change_time().seconds()
+    }
 }
 
 /// What arrangements are found from.
@@ -101,11 +126,10 @@ impl Arranger<'_> {
     fn arranged(&self, mut operations: Vec<Planned>) -> Arrangement {
         // Operations with the same cutter follow each other; what is left comes last.
         operations.sort_by_key(|operation| (operation.is_rest, operation.tool));
-        #[expect(clippy::cast_precision_loss, reason = "a few")]
-        let changes = operations.windows(2).filter(|pair| pair[0].tool != pair[1].tool).count() as f64;
-        let seconds =
-            operations.iter().map(|operation| operation.seconds).sum::<f64>() + changes * self.settings.machine.change_time().seconds();
-        Arrangement { operations, seconds }
+        let mut arrangement = Arrangement { operations, seconds: 0.0 };
+        arrangement.seconds =
+            arrangement.change_seconds(self.settings) + arrangement.operations.iter().map(|operation| operation.seconds).sum::<f64>();
+        arrangement
     }
 
     /// The shares of the area for which `holds`, by the index of the station.

@@ -48,6 +48,11 @@ pub(super) enum Family {
 }
 
 impl Family {
+    /// Whether both are planes, or both are levels.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+
     /// The distance across the planes, or the height, of a tip in mm.
     pub(super) fn number(&self, [x, y, z]: [f64; 3]) -> f64 {
         match self {

@@ -20,11 +20,8 @@ use crate::path::Milled;
 use crate::quantity::{Angle, Time};
 use std::cell::Cell;
 
-/// The arrangements that are planned at most.
-const MOST_PLANNED: usize = 3;
-
-/// An arrangement whose estimate is over this factor of the shortest is not planned.
-const PLANNED_WITHIN: f64 = 1.25;
+/// The arrangements that are planned at most, those included whose drafts are too slow.
+const MOST_PLANNED: usize = 5;
 
 /// The share of a draft's time that its plan takes at least.
 const DRAFT_SURE: f64 = 0.9;
@@ -88,25 +85,25 @@ pub(super) fn operations(
     workpiece: &Workpiece,
     candidates: &[CandidateCutter],
     settings: &PlanSettings,
-    single: Option<&CandidatePlan>,
+    single: &CandidatePlan,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<OperationsPlan> {
     if settings.most_operations < 2 {
         return None;
     }
-    let tools = tools(workpiece, candidates, settings, single, stop);
-    let arranger = Arranger { workpiece, settings, tools: &tools, most: settings.most_operations };
-    let arrangements = arranger.arrangements();
-    let shortest = arrangements.first()?.seconds;
+    let tools = tools(workpiece, candidates, settings, single.candidate, stop);
+    let mut arrangements = Arranger { workpiece, settings, tools: &tools, most: settings.most_operations }.arrangements();
     let unseen = drawn(workpiece, JUDGED_ON, Set::Last.seed());
     let area = unseen.iter().map(|place| place.area).sum();
-    let keeps = single.and_then(|single| Some(single.milled?.finish.far_over_share <= KEPT));
-    let mut limit = single.filter(|_| keeps == Some(true)).map_or(f64::INFINITY, |single| single.time.seconds());
+    let keeps = single.milled.is_some_and(|milled| milled.finish.far_over_share <= KEPT);
+    let mut limit = if keeps { single.time.seconds() } else { f64::INFINITY };
     let samples = Cell::new(0);
-    let mut arranged = Arranged { workpiece, settings, tools: &tools, area, samples: &samples, stop, known: Vec::new() };
+    let mut arranged = Arranged { workpiece, settings, tools: &tools, area, samples: &samples, stop, found: Vec::new() };
     let mut best = None;
-    for arrangement in arrangements.iter().take_while(|each| each.seconds <= PLANNED_WITHIN * shortest).take(MOST_PLANNED) {
-        let Ok(plan) = arranged.plan(arrangement, &unseen, limit) else { continue };
+    for _ in 0..MOST_PLANNED {
+        let expected = arrangements.iter().map(|arrangement| arranged.expected(arrangement)).enumerate();
+        let Some((next, _)) = expected.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, seconds)| *seconds < limit) else { break };
+        let Ok(plan) = arranged.plan(&arrangements.swap_remove(next), &unseen, limit) else { continue };
         let is_kept = plan.finish.far_over_share <= KEPT && plan.finish.uncut_share <= settings.max_uncut_share;
         if is_kept && plan.time.seconds() < limit {
             limit = plan.time.seconds();
@@ -121,7 +118,7 @@ fn tools(
     workpiece: &Workpiece,
     candidates: &[CandidateCutter],
     settings: &PlanSettings,
-    single: Option<&CandidatePlan>,
+    single: usize,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<Tool> {
     let rows = rows_of(workpiece);
@@ -132,7 +129,7 @@ fn tools(
     // Evenly over the sizes where there are many.
     let step = order.len().div_ceil(MOST_TOOLS).max(1);
     let mut chosen: Vec<usize> = order.iter().copied().step_by(step).collect();
-    if let Some(single) = single.map(|single| single.candidate).filter(|single| !chosen.contains(single)) {
+    if !chosen.contains(&single) {
         chosen.push(single);
     }
     let tool = |index: usize| {
@@ -153,27 +150,43 @@ struct Arranged<'a> {
     area: f64,
     samples: &'a Cell<usize>,
     stop: &'a (dyn Fn() -> bool + Sync),
-    /// The plans of operations that several arrangements may have: all but those of rests.
-    known: Vec<(Planned, OperationPlan)>,
+    /// The operations that were drafted.
+    found: Vec<Found>,
+}
+
+/// An operation that was drafted.
+struct Found {
+    planned: Planned,
+    /// Its time in s, by the draft if that is too slow to be planned; infinite without lines.
+    seconds: f64,
+    plan: Option<OperationPlan>,
 }
 
 impl Arranged<'_> {
+    /// The time in s of an arrangement: of each operation what was found, else its estimate, longer by the factor by which it was too
+    /// short for such lines on the same slopes, whatever the cutter.
+    fn expected(&self, arrangement: &Arrangement) -> f64 {
+        let of_operation = |planned: &Planned| {
+            let known = self.found.iter().find(|found| found.planned.is_same(planned));
+            let alike = self.found.iter().filter(|found| found.planned.has_such_lines(planned) && found.seconds.is_finite());
+            let factor = alike.map(|found| found.seconds / found.planned.seconds).fold(1.0, f64::max);
+            known.map_or(factor * planned.seconds, |known| known.seconds)
+        };
+        arrangement.change_seconds(self.settings) + arrangement.operations.iter().map(of_operation).sum::<f64>()
+    }
+
     /// The operations planned and milled together, unless they take longer than `limit` s.
     fn plan(&mut self, arrangement: &Arrangement, unseen: &[DrawnPlace], limit: f64) -> Result<OperationsPlan, NoPlan> {
         let Self { workpiece, settings, tools, stop, .. } = *self;
         let mut operations: Vec<OperationPlan> = Vec::new();
-        let mut seconds = 0.0;
+        let mut seconds = arrangement.change_seconds(settings);
         for (index, planned) in arrangement.operations.iter().enumerate() {
-            if index > 0 && arrangement.operations[index - 1].tool != planned.tool {
-                seconds += settings.machine.change_time().seconds();
-            }
             operations.push(self.known_operation(planned, &arrangement.operations[..index], limit - seconds)?);
             seconds += operations[index].figures.tour.seconds;
             if seconds >= limit {
                 return Err(NoPlan::NoLines);
             }
         }
-        let tool_changes = arrangement.operations.windows(2).filter(|pair| pair[0].tool != pair[1].tool).count();
         let mut all: Option<(Vec<Station>, Vec<Judged>)> = None;
         for (operation, planned) in operations.iter().zip(&arrangement.operations) {
             let prepared = &tools[planned.tool].prepared;
@@ -197,25 +210,24 @@ impl Arranged<'_> {
         }
         let (on, judged) = all.ok_or(NoPlan::NoRuns)?;
         let finish = FinishFigures::of(&on, &judged, settings.scallop_height.mm());
-        Ok(OperationsPlan { operations, tool_changes, time: Time::computed(seconds), finish })
+        Ok(OperationsPlan { operations, tool_changes: arrangement.tool_changes(), time: Time::computed(seconds), finish })
     }
 
-    /// One operation, planned for the first arrangement that has it. A rest depends on the operations before it.
+    /// One operation, planned for the first arrangement that has it, unless it takes far longer than `limit` s. A rest depends on the
+    /// operations before it.
     fn known_operation(&mut self, planned: &Planned, before: &[Planned], limit: f64) -> Result<OperationPlan, NoPlan> {
-        #[expect(clippy::float_cmp, reason = "bounds are those of a list")]
-        let is_known = |known: &Planned| known.is_alike(planned) && known.slopes == planned.slopes;
-        if let Some((_, known)) = self.known.iter().find(|(known, _)| is_known(known)) {
-            return Ok(known.clone());
-        }
-        let operation = self.operation(planned, before, limit)?;
-        if !planned.is_rest {
-            self.known.push((*planned, operation.clone()));
-        }
-        Ok(operation)
+        let known = self.found.iter().position(|found| found.planned.is_same(planned));
+        let found = match known.map(|known| self.found.swap_remove(known)) {
+            Some(found) if found.plan.is_some() || DRAFT_SURE * found.seconds >= limit => found,
+            _ => self.operation(planned, before, limit)?,
+        };
+        let plan = found.plan.clone();
+        self.found.push(found);
+        plan.ok_or(NoPlan::NoLines)
     }
 
-    /// One operation, unless its draft shows that it takes far longer than `limit` s.
-    fn operation(&self, planned: &Planned, before: &[Planned], limit: f64) -> Result<OperationPlan, NoPlan> {
+    /// One operation, without a plan if it has none or its draft shows that it takes far longer than `limit` s.
+    fn operation(&self, planned: &Planned, before: &[Planned], limit: f64) -> Result<Found, NoPlan> {
         let Self { workpiece, settings, tools, samples, stop, .. } = *self;
         let Tool { prepared, .. } = &tools[planned.tool];
         let height = settings.scallop_height.mm();
@@ -231,14 +243,17 @@ impl Arranged<'_> {
             Region::of_targets(workpiece, |target| workpiece.is_sloped(target, overlapping(workpiece, prepared, planned.slopes, target)))
         };
         let planner = Planner { workpiece, prepared, settings, region: &region, stations: &on, further: &of_set, samples, stop };
-        let draft = planner.draft(planned.family)?;
-        if DRAFT_SURE * draft.seconds >= limit {
-            return Err(NoPlan::NoLines);
-        }
+        let without_plan = |seconds: f64| Found { planned: *planned, seconds, plan: None };
+        let draft = match planner.draft(planned.family) {
+            Ok(draft) if DRAFT_SURE * draft.seconds < limit => draft,
+            Ok(draft) => return Ok(without_plan(draft.seconds)),
+            Err(NoPlan::Stopped) => return Err(NoPlan::Stopped),
+            Err(_) => return Ok(without_plan(f64::INFINITY)),
+        };
         let plan = planner.finished(draft)?;
         let area: f64 = on.iter().map(|station| station.place.area).sum();
         let figures = MilledFigures::of(workpiece, settings, prepared, &plan, least_seconds(workpiece, &on, prepared, height));
-        Ok(OperationPlan {
+        let plan = OperationPlan {
             candidate: prepared.index,
             lines: lines_of(&planned.family, settings.pattern),
             slopes: planned.slopes.map(|slope| Angle::from_radians(slope.min(settings.max_slope.radians()))),
@@ -246,7 +261,8 @@ impl Arranged<'_> {
             area_share: (area / self.area).min(1.0),
             figures,
             path: PlannedPath { plan, prepared: prepared.clone() },
-        })
+        };
+        Ok(Found { planned: *planned, seconds: plan.figures.tour.seconds, plan: Some(plan) })
     }
 
     /// The places that no cutter of these operations reaches among those that it machines.

@@ -244,7 +244,8 @@ pub fn rank(
     not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
     let surface = workpiece.figures();
     let confidence = Confidence::of(&plans, candidates, &surface, settings.scallop_height, evidence);
-    let operations = if rest_of.is_none() { operations(workpiece, candidates, settings, plans.first(), stop) } else { None };
+    let single = plans.first().filter(|_| rest_of.is_none());
+    let operations = single.and_then(|single| operations(workpiece, candidates, settings, single, stop));
     if stop() {
         return None;
     }
