@@ -44,22 +44,22 @@ pub(super) fn seconds(
             + travel::straight(travel::APPROACH_HEIGHT, prepared.link_rate, &settings.machine)
     };
     let mut seconds = 0.0;
-    let mut most_runs = 0;
+    let (mut all_runs, mut most_runs) = (0, 0);
     for (index, &line) in lines.iter().enumerate() {
         let before = if index == 0 { spread.range[0] } else { f64::midpoint(lines[index - 1], line) };
         let after = if index + 1 == lines.len() { spread.range[1] } else { f64::midpoint(line, lines[index + 1]) };
         let width = (after - before).max(1e-9);
-        let strip = spread.between(before, after);
         // The stations of a strip are as far apart along it as their share of its area says.
-        let runs = runs_of(strip, radius, area_of_station / width);
-        // Runs between the same walls follow each other, on one line after the other.
-        let link = travel::straight(width, prepared.link_rate, &settings.machine);
+        let runs = runs_of(spread.between(before, after), radius, area_of_station / width);
         for run in &runs {
             seconds += travel::run(run.length / width, run.time / width, &settings.machine);
+            // Runs between the same walls follow each other, on one line after the other.
             seconds += match settings.pattern {
-                Pattern::Zigzag => link,
+                _ if all_runs == 0 => 0.0,
+                Pattern::Zigzag => travel::straight(width, prepared.link_rate, &settings.machine),
                 Pattern::OneWay => lift(run.length / width),
             };
+            all_runs += 1;
         }
         most_runs = most_runs.max(runs.len());
     }
