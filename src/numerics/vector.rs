@@ -28,6 +28,11 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// a + t (b - a)
+pub(crate) fn mixed(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
+    std::array::from_fn(|axis| a[axis] + t * (b[axis] - a[axis]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,8 @@
 //! The way from the worst of random places to the worst place.
 
 use super::milled::Left;
-use super::places::{Place, mixed};
+use super::places::Place;
+use crate::numerics::vector::mixed;
 use crate::surface::Mesh;
 use rayon::prelude::*;
 use std::collections::HashSet;

@@ -10,7 +10,7 @@
 
 use super::drop_cutter::DropCutter;
 use crate::numerics::random::Random;
-use crate::numerics::vector::{cross, difference, length};
+use crate::numerics::vector::{cross, difference, length, mixed};
 use crate::numerics::z_order::z_order;
 use crate::surface::Mesh;
 use rayon::prelude::*;
@@ -155,11 +155,6 @@ fn on_border([a, b, c]: [[f64; 3]; 3], share: f64) -> [f64; 3] {
         at -= length;
     }
     a
-}
-
-/// a + t (b - a)
-pub(super) fn mixed(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
-    std::array::from_fn(|axis| a[axis] + t * (b[axis] - a[axis]))
 }
 
 /// The facets along a Z-order curve of the plan view.

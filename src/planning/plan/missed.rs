@@ -4,11 +4,11 @@
 
 use super::judged::MissedStation;
 use super::prepared::Prepared;
-use super::runs::{Run, RunTip, highest_step};
+use super::runs::{LEVEL, Run, RunTip, highest_step};
 use super::stations::Station;
 use super::workpiece::Workpiece;
 use crate::milling::Profile;
-use crate::numerics::vector::{difference, dot, length};
+use crate::numerics::vector::{difference, dot, length, mixed};
 use crate::path::{Sampling, tips_between};
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -40,6 +40,8 @@ pub(super) struct Missed<'a> {
     /// The cutter with a flat narrower by half of the chord tolerance on all sides: it fits into a slot as wide as the cutter.
     profile: Profile,
     radius: f64,
+    /// The radius of the flat in mm.
+    flat: f64,
     sampling: Sampling,
     /// The scallop height in mm: the largest step of a run.
     height: f64,
@@ -82,7 +84,7 @@ impl<'a> Missed<'a> {
         let fine = Sampling::fine(&profile, chord_tolerance);
         // The edge of a flat end that passes a wall's corner between two samples cuts it by step^2 / (8 R).
         let sampling = Sampling { step: fine.step.min((4.0 * radius * chord_tolerance).sqrt()), ..fine };
-        let mut missed = Self { workpiece, profile, radius, sampling, height, tips, beside, cells: HashMap::new() };
+        let mut missed = Self { workpiece, profile, radius, flat, sampling, height, tips, beside, cells: HashMap::new() };
         for (index, tip) in missed.tips.iter().enumerate() {
             missed.cells.entry(missed.cell(tip.tip)).or_default().push(index);
         }
@@ -164,21 +166,32 @@ impl<'a> Missed<'a> {
         })
     }
 
-    /// Marks the tips on the way from one to another, and beside it, and counts those that were not marked.
+    /// Marks the tips on the way from one to another, and beside it, and those whose level places the flat finishes from there, and
+    /// counts those that were not marked.
     fn pass(&self, from: [f64; 3], to: [f64; 3], is_passed: &mut [bool]) -> usize {
         let mut passed = 0;
-        let along = difference(to, from);
-        let squared = dot(along, along);
         for index in self.near(from).chain(self.near(to)) {
-            let out = difference(self.tips[index].tip, from);
-            let share = if squared > 0.0 { dot(out, along) / squared } else { 0.0 };
-            let off: [f64; 3] = std::array::from_fn(|axis| out[axis] - share * along[axis]);
-            if !is_passed[index] && (0.0..=1.0).contains(&share) && length(off) <= self.beside {
-                is_passed[index] = true;
+            let tip = &self.tips[index];
+            let is_passed = &mut is_passed[index];
+            if !*is_passed && (self.is_beside(tip.tip, from, to) || self.is_under_flat(tip, from, to)) {
+                *is_passed = true;
                 passed += 1;
             }
         }
         passed
+    }
+
+    fn is_beside(&self, tip: [f64; 3], from: [f64; 3], to: [f64; 3]) -> bool {
+        let share = share_along(tip, from, to);
+        (0.0..=1.0).contains(&share) && length(difference(tip, mixed(from, to, share))) <= self.beside
+    }
+
+    /// Whether the flat finishes a level place on the way.
+    fn is_under_flat(&self, tip: &RunTip, from: [f64; 3], to: [f64; 3]) -> bool {
+        let is_level = tip.target.is_some_and(|target| self.workpiece.targets[target].normal[2] > LEVEL);
+        let on_way = mixed(from, to, share_along(tip.contact, from, to).clamp(0.0, 1.0));
+        let [x, y, z] = difference(tip.contact, on_way);
+        is_level && x.hypot(y) <= self.flat && z.abs() <= self.height && (to[2] - from[2]).abs() <= self.height
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "extents over radii are under 2^31")]
@@ -192,6 +205,13 @@ impl<'a> Missed<'a> {
         let cells = (-1..=1).flat_map(move |dx| (-1..=1).map(move |dy| [x + dx, y + dy]));
         cells.filter_map(|cell| self.cells.get(&cell)).flatten().copied()
     }
+}
+
+/// Where a point lies on the way from one tip to another, from 0 to 1 between them.
+fn share_along(point: [f64; 3], from: [f64; 3], to: [f64; 3]) -> f64 {
+    let along = difference(to, from);
+    let squared = dot(along, along);
+    if squared > 0.0 { dot(difference(point, from), along) / squared } else { 0.0 }
 }
 
 /// The direction from a tip to another one, seen from above.

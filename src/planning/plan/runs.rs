@@ -60,7 +60,7 @@ pub(super) struct RunMaker<'a> {
 }
 
 /// The cosine of the slope under which a contact is level: a rounding error.
-const LEVEL: f64 = 1.0 - 1e-12;
+pub(super) const LEVEL: f64 = 1.0 - 1e-12;
 
 /// The target that a tip with its axis at a point finishes. Under the flat of a cutter every place of a level facet is touched
 /// at once: it counts as touched where the axis is over it.
