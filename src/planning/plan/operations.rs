@@ -1,4 +1,4 @@
-//! Plans of several operations: the arrangements with the shortest estimates planned, milled together, and compared with the
+//! Plans of several operations: the arrangements that are expected to be the fastest, planned, milled together, and compared with the
 //! best plan of one operation.
 
 use super::arrangement::{Arrangement, Arranger, Planned, Tool};
