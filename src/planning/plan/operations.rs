@@ -168,8 +168,9 @@ impl Arranged<'_> {
     fn expected(&self, arrangement: &Arrangement) -> f64 {
         let of_operation = |planned: &Planned| {
             let known = self.found.iter().find(|found| found.planned.is_same(planned));
-            let alike = self.found.iter().filter(|found| found.planned.has_such_lines(planned) && found.seconds.is_finite());
-            let factor = alike.map(|found| found.seconds / found.planned.seconds).fold(1.0, f64::max);
+            let alike = self.found.iter().filter(|found| found.planned.has_such_lines(planned));
+            let factors = alike.map(|found| found.seconds / found.planned.seconds).filter(|factor| factor.is_finite());
+            let factor = factors.fold(1.0, f64::max);
             known.map_or(factor * planned.seconds, |known| known.seconds)
         };
         arrangement.change_seconds(self.settings) + arrangement.operations.iter().map(of_operation).sum::<f64>()
