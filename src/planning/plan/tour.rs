@@ -6,7 +6,7 @@ use super::runs::{Run, RunTip, STEP_IN_RADII, highest_step};
 use super::settings::{Pattern, PlanSettings};
 use super::travel::{self, APPROACH_HEIGHT};
 use super::workpiece::Workpiece;
-use crate::motion::TimedMove;
+use crate::motion::{Machine, TimedMove};
 use crate::path::{Move, MoveKind, Sampling, tips_between};
 use crate::quantity::Speed;
 
@@ -152,14 +152,26 @@ impl Tour {
         let machine = &settings.machine;
         let over = travel::lift(from, to, clearance, prepared.link_rate, machine);
         let is_near = (to[0] - from[0]).hypot(to[1] - from[1]) <= NEAR_IN_RADII * prepared.profile.outer_radius();
-        let surface =
-            (is_near && settings.pattern == Pattern::Zigzag).then(|| link_on_surface(workpiece, prepared, from, to, chord_tolerance));
-        let step = STEP_IN_RADII * prepared.profile.outer_radius();
-        let surface = surface.filter(|points| highest_step(points) <= step).map(|points| (travel::length_of(points.iter()), points));
+        let on_surface = |corners: &[[f64; 3]]| SurfaceLink::of(workpiece, prepared, machine, corners, chord_tolerance);
+        let surface = if is_near && settings.pattern == Pattern::Zigzag {
+            on_surface(&[from, to]).or_else(|| {
+                // Around the corner of a wall: along the run before until the next one is abeam, or the other way round.
+                let before = self.points.iter().rev().map(|point| point.tip).find(|tip| travel::distance(*tip, from) > 0.0);
+                let next = leg.tips(runs).get(1).map(|tip| tip.tip);
+                let corners = [before.and_then(|before| abeam(from, before, to)), next.and_then(|next| abeam(to, next, from))];
+                let links = corners.into_iter().flatten().filter_map(|[x, y]| {
+                    let touch = workpiece.drop.drop(&prepared.profile, x, y, None)?;
+                    on_surface(&[from, [x, y, touch.height], to])
+                });
+                links.min_by(|a, b| a.seconds.total_cmp(&b.seconds))
+            })
+        } else {
+            None
+        };
         self.figures.links += 1;
-        if let Some((length, points)) = surface.filter(|(length, _)| travel::straight(*length, prepared.link_rate, machine) <= over) {
+        if let Some(SurfaceLink { points, length, seconds }) = surface.filter(|link| link.seconds <= over) {
             self.figures.link_length += length;
-            self.figures.seconds += travel::straight(length, prepared.link_rate, machine);
+            self.figures.seconds += seconds;
             self.figures.moving_seconds += length / prepared.link_rate;
             self.points.extend(points.into_iter().skip(1).map(|tip| link_point(tip, MoveKind::Link, prepared.link_rate)));
             return;
@@ -183,6 +195,38 @@ fn clearance(workpiece: &Workpiece, settings: &PlanSettings) -> f64 {
 
 fn link_point(tip: [f64; 3], kind: MoveKind, rate: f64) -> TourPoint {
     TourPoint { tip, kind, of_run: None, rate }
+}
+
+/// The point on the line from the end of a run through another point of it that is abeam of a third one, seen from above; `None`
+/// beyond the end.
+fn abeam(end: [f64; 3], through: [f64; 3], of: [f64; 3]) -> Option<[f64; 2]> {
+    let along = [through[0] - end[0], through[1] - end[1]];
+    let share = (along[0] * (of[0] - end[0]) + along[1] * (of[1] - end[1])) / (along[0] * along[0] + along[1] * along[1]);
+    (share > 0.0 && share.is_finite()).then(|| [0, 1].map(|axis| end[axis] + share * along[axis]))
+}
+
+/// A link on the surface, straight from corner to corner seen from above.
+struct SurfaceLink {
+    /// Its points, with both ends.
+    points: Vec<[f64; 3]>,
+    length: f64,
+    /// The time of its straight parts in s, each from rest to rest.
+    seconds: f64,
+}
+
+impl SurfaceLink {
+    /// `None` over a step that is too high for the feed rate.
+    fn of(workpiece: &Workpiece, prepared: &Prepared, machine: &Machine, corners: &[[f64; 3]], chord_tolerance: f64) -> Option<Self> {
+        let mut link = Self { points: vec![corners[0]], length: 0.0, seconds: 0.0 };
+        for ends in corners.windows(2) {
+            let points = link_on_surface(workpiece, prepared, ends[0], ends[1], chord_tolerance);
+            let length = travel::length_of(points.iter());
+            link.length += length;
+            link.seconds += travel::straight(length, prepared.link_rate, machine);
+            link.points.extend(points.into_iter().skip(1));
+        }
+        (highest_step(&link.points) <= STEP_IN_RADII * prepared.profile.outer_radius()).then_some(link)
+    }
 }
 
 /// A straight link seen from above that is nowhere under the tips' surface: straight in space where it can be.
