@@ -20,7 +20,7 @@ fn planned(part: &Workpiece, candidate: CandidateCutter, settings: &PlanSettings
 }
 
 /// The time of a path by section 5 of the model: a run from rest to rest at its mean speed, a link on the surface as one
-/// move, and each move of a lift by itself.
+/// move for each part that is straight seen from above, and each move of a lift by itself.
 fn timed(path: &Passes, machine: &Machine) -> f64 {
     let time = |length: f64, feed_rate: Speed| {
         if length > 0.0 {
@@ -29,6 +29,11 @@ fn timed(path: &Passes, machine: &Machine) -> f64 {
             0.0
         }
     };
+    let heading = |index: usize| {
+        let [from, to] = [path.points[index - 1].tip, path.points[index].tip];
+        let [x, y] = [to[0] - from[0], to[1] - from[1]];
+        (x.hypot(y) > 1e-9).then(|| [x / x.hypot(y), y / x.hypot(y)])
+    };
     let ends = path.run_starts[1..].iter().copied().chain([path.points.len()]);
     let mut seconds = 0.0;
     for pair in path.points[..=path.run_starts[0]].windows(2) {
@@ -36,28 +41,34 @@ fn timed(path: &Passes, machine: &Machine) -> f64 {
     }
     for (start, end) in path.run_starts.iter().copied().zip(ends) {
         let (mut run, mut at_rate, mut link, mut is_lifted) = (0.0, 0.0, 0.0, false);
-        for index in start + 1..end {
+        let mut ahead: Option<[f64; 2]> = None;
+        // The last move of a link ends at the next run's first point.
+        for index in (start + 1..=end).filter(|index| *index < path.points.len()) {
             let point = &path.points[index];
             let length = distance(path.points[index - 1].tip, point.tip);
-            match point.kind {
-                MoveKind::Cut => {
-                    run += length;
-                    at_rate += length / point.feed_rate.mm_s();
-                }
-                MoveKind::Link if !is_lifted => link += length,
-                MoveKind::Link | MoveKind::Rapid => {
-                    is_lifted = true;
-                    seconds += time(length, point.feed_rate);
-                }
+            if index < end && point.kind == MoveKind::Cut {
+                run += length;
+                at_rate += length / point.feed_rate.mm_s();
+                continue;
+            }
+            is_lifted |= point.kind == MoveKind::Rapid;
+            if is_lifted {
+                seconds += time(length, point.feed_rate);
+                continue;
+            }
+            let turns = ahead.zip(heading(index)).is_some_and(|(a, b)| (a[0] * b[1] - a[1] * b[0]).abs() > 1e-6);
+            if turns {
+                seconds += time(link, point.feed_rate);
+                link = 0.0;
+            }
+            link += length;
+            ahead = heading(index).or(ahead);
+            if index == end {
+                seconds += time(link, point.feed_rate);
             }
         }
         if run > 0.0 {
             seconds += time(run, Speed::from_mm_min(60.0 * run / at_rate).unwrap());
-        }
-        // The link after a run, and its last move, which ends at the next run's first point.
-        if let Some(next) = path.points.get(end) {
-            let length = distance(path.points[end - 1].tip, next.tip);
-            if is_lifted { seconds += time(length, next.feed_rate) } else { seconds += time(link + length, next.feed_rate) }
         }
     }
     seconds
@@ -105,6 +116,22 @@ fn the_points_in_their_order_are_the_whole_path_of_the_stated_time_and_length() 
         // Links and lifts have no contact, and every run has some.
         assert!(path.points.iter().all(|point| point.kind == MoveKind::Cut || point.cut.is_none() || point.kind == MoveKind::Link));
         assert!(path.points.iter().any(|point| point.cut.is_some()));
+    }
+}
+
+/// Where a straight link to the next run would climb a wall, the link goes around its corner.
+#[test]
+fn links_go_around_the_corners_of_walls() {
+    let ledges: Vec<f64> = (0..8).map(|ledge| 5.0 * f64::from(ledge)).collect();
+    let heights: Vec<Vec<f64>> = (0..7).map(|x| (0..7).map(|y| if x + y < 7 { 0.0 } else { 8.0 }).collect()).collect();
+    let heights: Vec<&[f64]> = heights.iter().map(Vec::as_slice).collect();
+    let cutter = CandidateCutter::new(Cutter::toroidal(mm(4.0), mm(1.0)).unwrap());
+    for direction in [0.0, 90.0] {
+        let settings = PlanSettings { max_uncut_share: 1.0, ..in_direction(Model::Envelope, direction) };
+        let part = workpiece(&steps(&ledges, &ledges, &heights));
+        let tour = ranked_on(&part, &[cutter], &settings).plans[0].milled.unwrap().tour;
+        println!("{direction} deg: {} lifts of {} links", tour.lifts, tour.links);
+        assert!(4 * tour.lifts <= tour.links, "{} lifts of {} links", tour.lifts, tour.links);
     }
 }
 
