@@ -48,6 +48,7 @@ mod tests {
             assert_relative_eq!(length(a), u.norm());
             assert_relative_eq!(Vector3::from(difference(a, b)), u - v);
             assert_relative_eq!(Vector3::from(cross(a, b)), u.cross(&v));
+            assert_relative_eq!(Vector3::from(mixed(a, b, 0.25)), u.lerp(&v, 0.25), max_relative = 1e-9, epsilon = 1e-6);
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Detects the format of a library file by its content, and reads the files of a zip.
 
 use super::library_fault::{LibraryFaults, json_flaw};
+use super::quoted;
 use super::{ToolLibrary, ToolPlace, csv, freecad, fusion};
 use crate::archive::{Archive, ArchiveLimits};
 use crate::cancellation::CancelFlag;
-use crate::file_fault::{FileFault, FileFaultKind, Flaw, quoted};
+use crate::file_fault::{FileFault, FileFaultKind, Flaw};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::value::RawValue;

@@ -13,9 +13,10 @@
 use super::cutter_shape::{Dimension, Dimensions, LibraryShape};
 use super::dimension::{LengthUnit, number, spindle_speed, teeth, tool_number, unambiguous_thousands};
 use super::library_fault::{Flaws, LibraryFaults};
+use super::quoted;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::cancellation::CancelFlag;
-use crate::file_fault::{FileFaultKind, Flaw, quoted};
+use crate::file_fault::{FileFaultKind, Flaw};
 use crate::milling::Cutter;
 use crate::quantity::Length;
 
@@ -131,7 +132,7 @@ impl Table {
             .collect();
         let has = |wanted: &dyn Fn(&Column) -> bool| columns.iter().flatten().any(wanted);
         if !has(&|column| *column == Column::Kind) || (flaws.is_empty() && !has(&|column| matches!(column, Column::Diameter(_)))) {
-            let found = quoted(header.iter().collect::<Vec<_>>().join(","));
+            let found = quoted(&header.iter().collect::<Vec<_>>().join(","));
             let expected =
                 "a tool library: JSON of Fusion or FreeCAD, a zip of them, or CSV with the columns type and diameter_mm or diameter_in";
             flaws.push(Flaw::new(FileFaultKind::UnknownFormat, expected, found));

@@ -1,7 +1,8 @@
 //! Numbers and lengths as tool libraries write them: with a decimal point or comma, with or without a unit.
 
+use super::quoted;
 use super::{HIGHEST_SPINDLE_SPEED, MOST_TEETH};
-use crate::file_fault::{Flaw, quoted};
+use crate::file_fault::Flaw;
 use crate::quantity::Length;
 
 /// A unit of length, in mm.

@@ -1,6 +1,6 @@
 //! The faults of a tool library: of files that cannot be read, and of tools whose cutters cannot be used.
 
-use super::{ToolPlace, shortened};
+use super::{ToolPlace, quoted, shortened};
 use crate::file_fault::{FileFault, FilePlace, Flaw};
 use crate::json::JsonError;
 use std::borrow::Cow;
@@ -97,7 +97,7 @@ impl Flaws {
     /// The faulty tool at this place.
     pub(super) fn of_tool(self, place: &ToolPlace) -> FaultyTool {
         let tool = match place.name.map(str::trim) {
-            Some(name) if !name.is_empty() => format!("tool {} \"{}\"", place.position, shortened(name)),
+            Some(name) if !name.is_empty() => format!("tool {} {}", place.position, quoted(name)),
             _ => format!("tool {}", place.position),
         };
         let place_of_tool = FilePlace::Tool { file: shortened(place.file).into(), tool: Some(tool.into()) };

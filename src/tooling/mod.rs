@@ -239,3 +239,8 @@ impl ToolParts {
 fn shortened(text: &str) -> String {
     file_fault::shortened(text, LONGEST_NAME)
 }
+
+/// The same in quotation marks: headers and paths are longer than words of a surface file, and names may have inch marks.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", shortened(text))
+}

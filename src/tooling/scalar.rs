@@ -1,7 +1,8 @@
 //! A JSON number or text. Values of other types are skipped and not stored.
 
 use super::dimension::number;
-use crate::file_fault::{Flaw, quoted};
+use super::quoted;
+use crate::file_fault::Flaw;
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 

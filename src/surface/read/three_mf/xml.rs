@@ -3,7 +3,7 @@
 use super::super::read_error::ReadError;
 use super::Package;
 use crate::archive::ArchiveLimits;
-use crate::file_fault::{FileFaultKind, Flaw, quoted};
+use crate::file_fault::{FileFaultKind, Flaw};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event as Parsed};
 use std::borrow::Cow;
@@ -74,7 +74,7 @@ fn flaw(limits: ArchiveLimits, error: &quick_xml::Error) -> Flaw {
             Flaw::new(FileFaultKind::TooLarge, format!("at most {LONGEST_EVENT} bytes in a tag or text"), "more")
         }
         quick_xml::Error::Io(error) => Flaw::from(&limits.fault(error)),
-        error => Flaw::new(FileFaultKind::Malformed, "well-formed XML", quoted(error.to_string().as_bytes())),
+        error => Flaw::quoting("well-formed XML", error.to_string().as_bytes()),
     }
 }
 
