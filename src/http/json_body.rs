@@ -189,17 +189,31 @@ impl JsonBody {
     /// Reads the body, an object, with `read`. Recorded faults take precedence over a result. Members that `read` does
     /// not take are faults.
     pub(crate) fn read<T>(&self, read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
-        read_text(&self.json, read)
+        self.read_until(&CancelFlag::default(), read)
+    }
+
+    /// Reads a body with large arrays, as [`Self::read`]. Once `cancel` is set, reading ends early, and the result must be
+    /// discarded.
+    pub(crate) fn read_until<T>(
+        &self,
+        cancel: &CancelFlag,
+        read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
+    ) -> Result<T, Problem> {
+        read_text(&self.json, cancel, read)
     }
 }
 
 /// The mark with which some programs begin UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// Reads JSON from any source, as [`JsonBody::read`]. A byte-order mark before it is skipped.
-pub(crate) fn read_text<T>(json: &[u8], read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>) -> Result<T, Problem> {
+/// Reads JSON from any source, as [`JsonBody::read_until`]. A byte-order mark before it is skipped.
+pub(crate) fn read_text<T>(
+    json: &[u8],
+    cancel: &CancelFlag,
+    read: impl FnOnce(&mut Object<'_, '_>, &mut Faults) -> Result<T, Faulted>,
+) -> Result<T, Problem> {
     let json = json.strip_prefix(BYTE_ORDER_MARK).unwrap_or(json);
-    let mut faults = Faults::default();
+    let mut faults = Faults::until(cancel);
     let marked;
     let object = match Object::open_body(json, &mut faults) {
         Ok(object) => object,

@@ -52,7 +52,7 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
     let job =
         Job::PathCheck { json: bytes, facets: bytes / 20, points: (bytes / SHORTEST_BLOCK).min(MOST_POINTS), threads: work.threads() };
     work.answer(job, move |cancelled| {
-        let check = body.read(|object, faults| {
+        let check = body.read_until(cancelled, |object, faults| {
             let surface = object.required(&SURFACE, faults);
             let path = object.required(&PATH, faults);
             PathToCheck::read(object, surface, path, faults, cancelled)
@@ -130,7 +130,7 @@ pub(crate) async fn answer_upload(
             missing(PARAMETERS, &mut faults);
             return Err(Problem::faulty_request(faults));
         };
-        let check = read_text(&parameters, |object, found| {
+        let check = read_text(&parameters, cancelled, |object, found| {
             found.take_in(faults, |pointer| Some(pointer.to_owned()));
             PathToCheck::read(object, surface, path, found, cancelled)
         })?;

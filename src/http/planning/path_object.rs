@@ -31,8 +31,8 @@ members! {
     pub(super) struct PathMembers for PathKind ("Path", "A path of the tip: `program`, or `tip_mm` with its rapids and its feed rate") -> StatedPath {
         program: optional PROGRAM: ProgramText = ("program", ProgramText, "the text of a program in G-code, of APT statements, or of columns x, y, z and feed rate"),
         tip: optional TIP: PathPoints = ("tip_mm", PathPoints, "the tip's points [x, y, z] in their order"),
-        rapid: optional RAPID: List<Whole> = ("rapid", List { item: Whole { minimum: 1, maximum: 1_100_000, example: 2 },
-            about_item: "the index of a point, from 0", fewest: 0, most: MOST_POINTS }, "the points that are reached by a rapid move"),
+        rapid: optional RAPID: List<Whole> = ("rapid", List { item: Whole { minimum: 0, maximum: 1_100_000, example: 2 },
+            about_item: "the index of a point, from 0", fewest: 0, most: MOST_POINTS }, "the points that are reached by a rapid move; no move leads to the first one, with index 0, which may be among them"),
         feed_rates: optional FEED_RATES: FeedRates = ("feed_rate_mm_min", FeedRates,
             "the feed rate of all moves, or one of the move to each point; absent = the machine's"),
     }
@@ -61,12 +61,14 @@ impl PathMembers {
                 let rate = |index: usize| rates.get(index).or(rates.first()).copied();
                 let stated = tip.into_iter().enumerate().map(|(index, point)| stated_point(point, rate(index)));
                 let mut points: Vec<ProgramPoint> = stated.collect();
-                for index in rapid.unwrap_or_default() {
-                    let Some(point) = points.get_mut(index as usize) else {
-                        let detail = format_args!("there is no point {index}");
-                        return Err(faults.add(&path.member(RAPID.name), RequestFault::OutOfRange, detail));
-                    };
-                    point.reached = Reached::Rapid;
+                let at = path.member(RAPID.name);
+                for (place, index) in rapid.unwrap_or_default().into_iter().enumerate() {
+                    match points.get_mut(index as usize) {
+                        Some(point) => point.reached = Reached::Rapid,
+                        None => {
+                            faults.add(&at.item(place), RequestFault::OutOfRange, format_args!("there is no point {index}"));
+                        }
+                    }
                 }
                 if let Some(first) = points.first_mut() {
                     first.reached = Reached::FromUnknown;

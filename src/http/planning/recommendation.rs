@@ -59,7 +59,7 @@ fn likely_facets(json: &[u8]) -> usize {
 
 /// Reads a body and prepares the facets of the plan.
 fn read(body: &JsonBody, cancelled: &CancelFlag) -> Result<Task, Problem> {
-    body.read(|object, faults| {
+    body.read_until(cancelled, |object, faults| {
         let parameters = Parameters::read(object, Libraries::default(), faults);
         let surface = object.required(&SURFACE, faults);
         Task::new(parameters?, surface?, &object.path().member(SURFACE.name), faults, &|| cancelled.is_cancelled())

@@ -162,7 +162,7 @@ impl Received {
             faults.add(&path, RequestFault::MissingField, "the part is missing: the cutters and the machine, as JSON");
             return Err(Problem::faulty_request(faults));
         };
-        let task = read_text(&parameters, |object, faults| {
+        let task = read_text(&parameters, cancelled, |object, faults| {
             let libraries = std::mem::take(&mut self.libraries);
             let warnings: Vec<_> = libraries.warnings().collect();
             let parameters = Parameters::read(object, libraries, faults);

@@ -1,6 +1,7 @@
 //! The faults of a request, each with its code and location.
 
 use super::{JsonPath, not_finite};
+use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, NoAnswerCode, ProblemFigure, RequestFault};
 use crate::milling::NoAnswer;
 use serde::Serialize;
@@ -49,6 +50,8 @@ pub(crate) struct Faults {
     /// The objects that were read, each with its pointer and the names that it may have. Of the objects in an array, only
     /// the first.
     objects: Vec<(String, Vec<&'static str>)>,
+    /// Set when the request is no longer needed.
+    cancel: CancelFlag,
 }
 
 impl Default for Faults {
@@ -63,7 +66,17 @@ impl Faults {
 
     /// An empty list that will hold this many faults; further ones are counted.
     pub(crate) fn at_most(most_listed: usize) -> Self {
-        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, objects: Vec::new() }
+        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, objects: Vec::new(), cancel: CancelFlag::default() }
+    }
+
+    /// An empty list for readers that end early once `cancel` is set; what they read and find is then discarded.
+    pub(crate) fn until(cancel: &CancelFlag) -> Self {
+        Self { cancel: cancel.clone(), ..Self::default() }
+    }
+
+    /// The flag that ends reading early, for readers of large values.
+    pub(crate) fn cancel_flag(&self) -> CancelFlag {
+        self.cancel.clone()
     }
 
     /// Records a fault and returns the proof of it.

@@ -2,7 +2,6 @@
 
 use super::points::{Points, each_point, point, point_schema};
 use super::source::{Source, SurfaceWithSource};
-use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{AddMembers, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, Whole, each_raw, members};
 use crate::json::each;
@@ -80,22 +79,23 @@ impl Kind for StatedSurface {
 
 fn points(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let raw = object.required_raw(&POINTS, faults)?;
-    let mut surface = received();
+    let mut surface = received(faults);
     each_point(raw, object.path().member(POINTS.name), faults, |point| surface.point(point))?;
     Ok(SurfaceWithSource::stated(surface, Source::Points))
 }
 
-/// An empty surface.
-fn received() -> ReceivedSurface {
-    ReceivedSurface::until(&CancelFlag::default())
+/// An empty surface, for reading that records `faults`.
+fn received(faults: &Faults) -> ReceivedSurface {
+    ReceivedSurface::until(&faults.cancel_flag())
 }
 
 fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWithSource, Faulted> {
     let (patch, samples) = (object.required(&BEZIER, faults), object.required(&SAMPLES, faults));
     let (patch, samples) = (patch?, samples? as usize);
     // The shape is computed from the samples, as published; the facets have the corners of the cells.
-    let stop = || false;
-    let mesh = patch.tessellate_until(samples, received().mesh, &stop);
+    let cancel = faults.cancel_flag();
+    let stop = || cancel.is_cancelled();
+    let mesh = patch.tessellate_until(samples, received(faults).mesh, &stop);
     let surface =
         patch.sampled_until(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
             faults.add(
@@ -129,7 +129,7 @@ impl Kind for GridKind {
 
 fn grid(object: &mut Object<'_, '_>, rows: usize, columns: usize, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = object.path();
-    let mut grid = Grid::into_sink(rows, columns, received()).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
+    let mut grid = Grid::into_sink(rows, columns, received(faults)).map_err(|error| faults.add(&path, RequestFault::OutOfRange, error))?;
     let raw = object.required_raw(&GRID_POINTS, faults)?;
     let path = path.member(GRID_POINTS.name);
     each_point(raw, path, faults, |point| grid.point(point))?;
@@ -167,7 +167,7 @@ fn most_items(raw: &RawValue) -> usize {
 
 fn mesh(points: &[[f64; 3]], triangles: &[[u32; 3]], path: &JsonPath<'_>, faults: &mut Faults) -> Result<ReceivedSurface, Faulted> {
     let path = path.member(TRIANGLES.name);
-    let mut surface = received();
+    let mut surface = received(faults);
     let mut result = Ok(());
     for (number, triangle) in triangles.iter().enumerate() {
         let at = |corner: usize| points.get(triangle[corner] as usize).copied().ok_or(corner);
