@@ -58,21 +58,16 @@ pub(super) fn judged(
 }
 
 /// From this many scallop heights on, a place is missed by a path: it is no ridge between lines.
-const MISSED: f64 = 1.5;
+const MISSED: f64 = 1.1;
 
-/// From this many scallop heights on, a place is far missed: lines do not pass it at all.
-const FAR_MISSED: f64 = 20.0;
-
-/// Where more than this share of a strip's places is far missed, its lines are too far apart. Fewer are beside walls or on narrow
-/// tops, which closer lines would not finish.
+/// Where more than this share of a strip's places is missed, its lines are too far apart. Fewer are beside walls, on narrow tops or
+/// in narrow bands: closer lines would finish them late or not at all, runs of their own do.
 const TOO_FAR_APART: f64 = 0.05;
 
 /// A station that the cutter can reach and a path misses.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MissedStation<'a> {
     pub(super) station: &'a Station,
-    /// Whether it is far over the height of ridges.
-    pub(super) is_far: bool,
     /// Its share of the area of all stations.
     pub(super) share: f64,
 }
@@ -83,7 +78,7 @@ pub(super) fn missed<'a>(stations: &'a [Station], judged: &'a [Judged], height: 
     let of_station = |(station, judged): (&'a Station, &Judged)| {
         let left = judged.left.unwrap_or(f64::INFINITY);
         let is_missed = station.lift <= height && left > MISSED * height;
-        is_missed.then_some(MissedStation { station, is_far: left >= FAR_MISSED * height, share: station.place.area / whole })
+        is_missed.then_some(MissedStation { station, share: station.place.area / whole })
     };
     stations.iter().zip(judged).filter_map(of_station).collect()
 }
@@ -184,10 +179,10 @@ const NEAR_THE_RIDGE: f64 = 0.85;
 const OFF_THE_RIDGE: f64 = 2.0;
 
 /// Changes the spacings that lines may have so that the height left between them becomes the scallop height: the height
-/// grows with the square of the spacing. Stations that the cutter cannot reach do not count, nor do far missed ones if they are
-/// few. A station beside the ridge counts for the ridge, whose height is larger by the square of the distances from the line, up to what n places can
-/// have missed: the highest of a few random places alone is too low, by chance more or less, but on coarse facets ridges are not
-/// parabolas. `margin` multiplies all spacings.
+/// grows with the square of the spacing. Stations that the cutter cannot reach do not count, nor do missed ones if they are few.
+/// A station beside the ridge counts for the ridge, whose height is larger by the square of the distances from the line, up to
+/// what n places can have missed: the highest of a few random places alone is too low, by chance more or less, but on coarse
+/// facets ridges are not parabolas. `margin` multiplies all spacings.
 pub(super) fn respace(
     allowed: &mut Allowed,
     lines: &[f64],
@@ -202,7 +197,7 @@ pub(super) fn respace(
     }
     // The height of each station of a strip, and that of the ridge beside it.
     let mut heights: Vec<Vec<[f64; 2]>> = vec![Vec::new(); lines.len() - 1];
-    let mut far_missed = vec![0_usize; lines.len() - 1];
+    let mut missed = vec![0_usize; lines.len() - 1];
     for (station, judged) in stations.iter().zip(judged) {
         let [_, across] = family.of_station(station);
         let strip = lines.partition_point(|line| *line <= across);
@@ -210,8 +205,8 @@ pub(super) fn respace(
             continue;
         }
         let left = judged.left.unwrap_or(f64::INFINITY);
-        if left >= FAR_MISSED * height {
-            far_missed[strip - 1] += 1;
+        if left > MISSED * height {
+            missed[strip - 1] += 1;
         } else {
             let [before, after] = [lines[strip - 1], lines[strip]];
             let share = 2.0 * (across - before).min(after - across) / (after - before);
@@ -221,19 +216,19 @@ pub(super) fn respace(
     }
     let factors: Vec<f64> = heights
         .iter_mut()
-        .zip(far_missed)
-        .map(|(heights, far_missed)| {
+        .zip(missed)
+        .map(|(heights, missed)| {
             #[expect(clippy::cast_precision_loss, reason = "thousands")]
-            if far_missed as f64 > TOO_FAR_APART * (heights.len() + far_missed) as f64 {
+            if missed as f64 > TOO_FAR_APART * (heights.len() + missed) as f64 {
                 return MOST_NARROWED;
             }
             // A thousandth of a strip's area may be over.
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);
             let [highest, ridge] = [0, 1].map(|of| at_rank(heights, place, |a, b| a[of].total_cmp(&b[of])).map(|heights| heights[of]));
             #[expect(clippy::cast_precision_loss, reason = "thousands")]
-            let missed = 1.0 + OFF_THE_RIDGE / heights.len().max(1) as f64;
+            let off_the_ridge = 1.0 + OFF_THE_RIDGE / heights.len().max(1) as f64;
             let factor = |(highest, ridge): (f64, f64)| {
-                let ridge = ridge.min(highest * missed * missed);
+                let ridge = ridge.min(highest * off_the_ridge * off_the_ridge);
                 (margin * (height / ridge.max(1e-3 * height)).sqrt()).clamp(MOST_NARROWED, MOST_WIDENED)
             };
             highest.zip(ridge).map_or(1.0, factor)

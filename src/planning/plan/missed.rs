@@ -17,8 +17,7 @@ use std::f64::consts::FRAC_PI_4;
 /// What rises over the tangent plane of a place by more than this share of the distance is a wall, not the curved surface.
 const WALL: f64 = 0.1;
 
-/// The largest share of the area, without what is beside walls, that is far missed and finished by runs. More is finished by closer
-/// lines.
+/// The largest share of the area, without what is beside walls, that is finished by runs. More is finished by closer lines.
 const MOST_OPEN: f64 = 0.02;
 
 /// The fewest stations that are worth a run.
@@ -54,7 +53,7 @@ pub(super) struct Missed<'a> {
 
 impl<'a> Missed<'a> {
     /// Those of missed stations that closer lines would not finish: those with a wall at the distance `beside`, in radii of the cutter,
-    /// and, if they are few, those that are far missed. Scallop height and chord tolerance in mm.
+    /// and, if they are few, the others. Scallop height and chord tolerance in mm.
     pub(super) fn of(
         workpiece: &'a Workpiece,
         prepared: &Prepared,
@@ -70,9 +69,8 @@ impl<'a> Missed<'a> {
         let beside = beside * radius;
         let is_beside = |missed: &&MissedStation| !stop() && is_beside_wall(workpiece, &prepared.profile, missed.station, beside, height);
         let (mut passed, open): (Vec<&MissedStation>, Vec<&MissedStation>) = stations.par_iter().partition(is_beside);
-        let far: Vec<&MissedStation> = open.into_iter().filter(|missed| missed.is_far).collect();
-        if far.iter().map(|missed| missed.share).sum::<f64>() <= MOST_OPEN {
-            passed.extend(far);
+        if open.iter().map(|missed| missed.share).sum::<f64>() <= MOST_OPEN {
+            passed.extend(open);
         }
         let tip_of = |missed: &&MissedStation| {
             let station = missed.station;
