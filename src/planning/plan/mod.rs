@@ -20,6 +20,7 @@ mod hollows;
 mod judged;
 mod left;
 mod levels;
+mod link;
 mod milled_plan;
 mod missed;
 mod operations;

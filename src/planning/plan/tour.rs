@@ -1,17 +1,16 @@
 //! The path of a plan: its runs in order, with every link and lift between them as moves.
 
-use super::order::{Leg, in_order};
+use super::link::{Link, Linker};
+use super::order::in_order;
 use super::prepared::Prepared;
-use super::runs::{Run, RunTip, STEP_IN_RADII, highest_step};
-use super::settings::{Pattern, PlanSettings};
-use super::travel::{self, APPROACH_HEIGHT};
+use super::runs::{Run, RunTip};
+use super::settings::PlanSettings;
+use super::travel;
 use super::workpiece::Workpiece;
-use crate::motion::{Machine, TimedMove};
-use crate::path::{Move, MoveKind, Sampling, tips_between};
+use crate::motion::TimedMove;
+use crate::path::{Move, MoveKind};
 use crate::quantity::Speed;
-
-/// Links longer than this in radii of the cutter go over the clearance height.
-const NEAR_IN_RADII: f64 = 6.0;
+use rayon::prelude::*;
 
 /// How the tool gets to a point of the path, and what it does there.
 #[derive(Debug, Clone, Copy)]
@@ -58,13 +57,18 @@ impl Tour {
     /// The path of runs, from the clearance height and back to it. Short links without steps stay on the surface where that is
     /// sooner than over the clearance height.
     pub(super) fn of(workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, runs: &[Run], chord_tolerance: f64) -> Self {
-        let near = NEAR_IN_RADII * prepared.profile.outer_radius();
+        let linker = Linker::new(workpiece, prepared, settings, chord_tolerance);
+        let runs: Vec<Vec<&RunTip>> = in_order(runs, settings.pattern, linker.near()).iter().map(|leg| leg.tips(runs)).collect();
         let mut tour = Self::default();
-        for leg in in_order(runs, settings.pattern, near) {
-            tour.add_link(workpiece, prepared, settings, runs, leg, chord_tolerance);
-            tour.add_run(workpiece, prepared, settings, &leg.tips(runs));
+        let Some((first, last)) = runs.first().and_then(|run| run.first()).zip(runs.last().and_then(|run| run.last())) else { return tour };
+        let links: Vec<Link> = runs.par_windows(2).map(|pair| linker.between(&pair[0], &pair[1])).collect();
+        tour.figures.links = links.len();
+        tour.figures.lifts = links.iter().filter(|link| !link.rapid.is_empty()).count();
+        for (link, run) in std::iter::once(linker.approach(first.tip)).chain(links).zip(&runs) {
+            tour.add_link(&link, prepared, settings);
+            tour.add_run(workpiece, prepared, settings, run);
         }
-        tour.retract(workpiece, settings);
+        tour.add_link(&linker.retreat(last.tip), prepared, settings);
         if settings.machine.path_tolerance.is_some() {
             tour.figures.seconds = settings.machine.time_of(tour.timed_moves()).seconds();
         }
@@ -78,29 +82,6 @@ impl Tour {
             to: pair[1].tip,
             feed_rate: (pair[1].kind != MoveKind::Rapid).then(|| Speed::computed(pair[1].rate)),
         })
-    }
-
-    /// The approach to the first tip, straight down from the clearance height.
-    fn approach(&mut self, workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, to: [f64; 3]) {
-        let (machine, top) = (&settings.machine, clearance(workpiece, settings));
-        let rapid = machine.rapid_rate.mm_s();
-        let near = (to[2] + APPROACH_HEIGHT).min(top);
-        self.points.extend([top, near].map(|height| link_point([to[0], to[1], height], MoveKind::Rapid, rapid)));
-        self.points.push(link_point(to, MoveKind::Link, prepared.link_rate));
-        self.figures.link_length += top - to[2];
-        self.figures.seconds += travel::straight(top - near, rapid, machine) + travel::straight(near - to[2], prepared.link_rate, machine);
-        self.figures.moving_seconds += (top - near) / rapid + (near - to[2]) / prepared.link_rate;
-    }
-
-    /// From the last tip to the clearance height.
-    fn retract(&mut self, workpiece: &Workpiece, settings: &PlanSettings) {
-        let Some([x, y, z]) = self.points.last().map(|point| point.tip) else { return };
-        let (machine, top) = (&settings.machine, clearance(workpiece, settings));
-        let rapid = machine.rapid_rate.mm_s();
-        self.points.push(link_point([x, y, top], MoveKind::Rapid, rapid));
-        self.figures.link_length += top - z;
-        self.figures.seconds += travel::straight(top - z, rapid, machine);
-        self.figures.moving_seconds += (top - z) / rapid;
     }
 
     /// The moves of the path.
@@ -135,119 +116,15 @@ impl Tour {
         self.figures.seconds += travel::run(length, seconds, &settings.machine);
     }
 
-    fn add_link(
-        &mut self,
-        workpiece: &Workpiece,
-        prepared: &Prepared,
-        settings: &PlanSettings,
-        runs: &[Run],
-        leg: Leg,
-        chord_tolerance: f64,
-    ) {
-        let to = leg.begin(runs);
-        let Some(from) = self.points.last().map(|point| point.tip) else {
-            return self.approach(workpiece, prepared, settings, to);
-        };
-        let clearance = clearance(workpiece, settings);
-        let machine = &settings.machine;
-        let over = travel::lift(from, to, clearance, prepared.link_rate, machine);
-        let is_near = (to[0] - from[0]).hypot(to[1] - from[1]) <= NEAR_IN_RADII * prepared.profile.outer_radius();
-        let on_surface = |corners: &[[f64; 3]]| SurfaceLink::of(workpiece, prepared, machine, corners, chord_tolerance);
-        let surface = if is_near && settings.pattern == Pattern::Zigzag {
-            on_surface(&[from, to]).or_else(|| {
-                // Around the corner of a wall: along the run before until the next one is abeam, or the other way round.
-                let before = self.points.iter().rev().map(|point| point.tip).find(|tip| travel::distance(*tip, from) > 0.0);
-                let next = leg.tips(runs).get(1).map(|tip| tip.tip);
-                let corners = [before.and_then(|before| abeam(from, before, to)), next.and_then(|next| abeam(to, next, from))];
-                let links = corners.into_iter().flatten().filter_map(|[x, y]| {
-                    let touch = workpiece.drop.drop(&prepared.profile, x, y, None)?;
-                    on_surface(&[from, [x, y, touch.height], to])
-                });
-                links.min_by(|a, b| a.seconds.total_cmp(&b.seconds))
-            })
-        } else {
-            None
-        };
-        self.figures.links += 1;
-        if let Some(SurfaceLink { points, length, seconds }) = surface.filter(|link| link.seconds <= over) {
-            self.figures.link_length += length;
-            self.figures.seconds += seconds;
-            self.figures.moving_seconds += length / prepared.link_rate;
-            self.points.extend(points.into_iter().skip(1).map(|tip| link_point(tip, MoveKind::Link, prepared.link_rate)));
-            return;
-        }
-        let rapid = machine.rapid_rate.mm_s();
-        let lifted = [[from[0], from[1], clearance], [to[0], to[1], clearance], [to[0], to[1], (to[2] + APPROACH_HEIGHT).min(clearance)]];
-        let length = travel::length_of([from].iter().chain(&lifted).chain([to].iter()));
-        self.figures.lifts += 1;
-        self.figures.link_length += length;
-        self.figures.seconds += over;
-        self.figures.moving_seconds += (length - APPROACH_HEIGHT) / rapid + APPROACH_HEIGHT / prepared.link_rate;
-        self.points.extend(lifted.map(|tip| link_point(tip, MoveKind::Rapid, rapid)));
-        self.points.push(link_point(to, MoveKind::Link, prepared.link_rate));
+    fn add_link(&mut self, link: &Link, prepared: &Prepared, settings: &PlanSettings) {
+        let point = |tip: &[f64; 3], kind: MoveKind, rate: f64| TourPoint { tip: *tip, kind, of_run: None, rate };
+        let rapid_rate = settings.machine.rapid_rate.mm_s();
+        self.points.extend(link.rapid.iter().map(|tip| point(tip, MoveKind::Rapid, rapid_rate)));
+        self.points.extend(link.fed.iter().map(|tip| point(tip, MoveKind::Link, prepared.link_rate)));
+        self.figures.link_length += link.length;
+        self.figures.seconds += link.seconds;
+        self.figures.moving_seconds += link.moving_seconds;
     }
-}
-
-/// The height in mm at which rapid moves cross the part.
-fn clearance(workpiece: &Workpiece, settings: &PlanSettings) -> f64 {
-    workpiece.top + settings.machine.clearance_height.mm()
-}
-
-fn link_point(tip: [f64; 3], kind: MoveKind, rate: f64) -> TourPoint {
-    TourPoint { tip, kind, of_run: None, rate }
-}
-
-/// The point on the line from the end of a run through another point of it that is abeam of a third one, seen from above; `None`
-/// beyond the end.
-fn abeam(end: [f64; 3], through: [f64; 3], of: [f64; 3]) -> Option<[f64; 2]> {
-    let along = [through[0] - end[0], through[1] - end[1]];
-    let share = (along[0] * (of[0] - end[0]) + along[1] * (of[1] - end[1])) / (along[0] * along[0] + along[1] * along[1]);
-    (share > 0.0 && share.is_finite()).then(|| [0, 1].map(|axis| end[axis] + share * along[axis]))
-}
-
-/// A link on the surface, straight from corner to corner seen from above.
-struct SurfaceLink {
-    /// Its points, with both ends.
-    points: Vec<[f64; 3]>,
-    length: f64,
-    /// The time of its straight parts in s, each from rest to rest.
-    seconds: f64,
-}
-
-impl SurfaceLink {
-    /// `None` over a step that is too high for the feed rate.
-    fn of(workpiece: &Workpiece, prepared: &Prepared, machine: &Machine, corners: &[[f64; 3]], chord_tolerance: f64) -> Option<Self> {
-        let mut link = Self { points: vec![corners[0]], length: 0.0, seconds: 0.0 };
-        for ends in corners.windows(2) {
-            let points = link_on_surface(workpiece, prepared, ends[0], ends[1], chord_tolerance);
-            let length = travel::length_of(points.iter());
-            link.length += length;
-            link.seconds += travel::straight(length, prepared.link_rate, machine);
-            link.points.extend(points.into_iter().skip(1));
-        }
-        (highest_step(&link.points) <= STEP_IN_RADII * prepared.profile.outer_radius()).then_some(link)
-    }
-}
-
-/// A straight link seen from above that is nowhere under the tips' surface: straight in space where it can be.
-fn link_on_surface(workpiece: &Workpiece, prepared: &Prepared, from: [f64; 3], to: [f64; 3], chord_tolerance: f64) -> Vec<[f64; 3]> {
-    let floor = from[2].min(to[2]);
-    let sampling = Sampling::fine(&prepared.profile, chord_tolerance);
-    let tips = tips_between(&workpiece.drop, &prepared.profile, [from[0], from[1]], [to[0], to[1]], &sampling, Some(floor));
-    let across = (to[0] - from[0]).hypot(to[1] - from[1]).max(1e-12);
-    let straight = |x: f64, y: f64| from[2] + (to[2] - from[2]) * (x - from[0]).hypot(y - from[1]) / across;
-    let mut points = vec![from];
-    for tip in tips {
-        let [x, y, z] = tip.position;
-        let height = straight(x, y);
-        if z > height + chord_tolerance {
-            points.push([x, y, z]);
-        } else if points.len() > 1 {
-            points.push([x, y, height.max(z)]);
-        }
-    }
-    points.push(to);
-    points
 }
 
 /// The feed rate in mm/s of the move between two tips of a run: the lower of both ends'.
