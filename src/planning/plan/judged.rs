@@ -28,6 +28,12 @@ impl Judged {
         }
     }
 
+    /// The height left, longer by the factor by which tooth marks leave less than the scallop height to ridges, infinite where no move
+    /// reaches the place.
+    fn ridge(self, height: f64) -> f64 {
+        self.left.unwrap_or(f64::INFINITY).max(0.0) * height / (height - self.marks).max(1e-3 * height)
+    }
+
     /// The height left, tooth marks included, infinite where no move reaches the place.
     pub(super) fn material(self) -> f64 {
         self.left.map_or(f64::INFINITY, |left| left.max(0.0) + self.marks)
@@ -57,8 +63,19 @@ pub(super) fn judged(
     stations.par_iter().with_min_len(64).map(of_station).collect()
 }
 
-/// From this many scallop heights on, a place is missed by a path: it is no ridge between lines.
-const MISSED: f64 = 1.1;
+/// From this many scallop heights on, a place is missed by planes: it is no ridge between them.
+const MISSED_BY_PLANES: f64 = 1.1;
+
+/// The same for level curves. Slopes differ along one of them, and with them the heights of ridges, until lines have moved a few times.
+const MISSED_BY_LEVELS: f64 = 1.5;
+
+/// The height in scallop heights from which on a place is missed.
+fn missed_from(family: &Family) -> f64 {
+    match family {
+        Family::Planes(_) => MISSED_BY_PLANES,
+        Family::Levels => MISSED_BY_LEVELS,
+    }
+}
 
 /// Where more than this share of a strip's places is missed, its lines are too far apart. Fewer are beside walls, on narrow tops or
 /// in narrow bands: closer lines would finish them late or not at all, runs of their own do.
@@ -73,11 +90,10 @@ pub(super) struct MissedStation<'a> {
 }
 
 /// The missed stations; the scallop height in mm.
-pub(super) fn missed<'a>(stations: &'a [Station], judged: &'a [Judged], height: f64) -> Vec<MissedStation<'a>> {
+pub(super) fn missed<'a>(stations: &'a [Station], judged: &'a [Judged], family: &Family, height: f64) -> Vec<MissedStation<'a>> {
     let whole = stations.iter().map(|station| station.place.area).sum::<f64>().max(f64::MIN_POSITIVE);
     let of_station = |(station, judged): (&'a Station, &Judged)| {
-        let left = judged.left.unwrap_or(f64::INFINITY);
-        let is_missed = station.lift <= height && left > MISSED * height;
+        let is_missed = station.lift <= height && judged.ridge(height) > missed_from(family) * height;
         is_missed.then_some(MissedStation { station, share: station.place.area / whole })
     };
     stations.iter().zip(judged).filter_map(of_station).collect()
@@ -179,7 +195,7 @@ const NEAR_THE_RIDGE: f64 = 0.85;
 const OFF_THE_RIDGE: f64 = 2.0;
 
 /// Changes the spacings that lines may have so that the height left between them becomes the scallop height: the height
-/// grows with the square of the spacing. Stations that the cutter cannot reach do not count, nor do missed ones if they are few.
+/// grows with the square of the spacing. Stations that the cutter cannot reach do not count, nor do missed ones if few of a strip are.
 /// A station beside the ridge counts for the ridge, whose height is larger by the square of the distances from the line, up to
 /// what n places can have missed: the highest of a few random places alone is too low, by chance more or less, but on coarse
 /// facets ridges are not parabolas. `margin` multiplies all spacings.
@@ -195,32 +211,27 @@ pub(super) fn respace(
     if lines.len() < 2 {
         return;
     }
+    let missed_from = missed_from(family) * height;
     // The height of each station of a strip, and that of the ridge beside it.
     let mut heights: Vec<Vec<[f64; 2]>> = vec![Vec::new(); lines.len() - 1];
-    let mut missed = vec![0_usize; lines.len() - 1];
     for (station, judged) in stations.iter().zip(judged) {
         let [_, across] = family.of_station(station);
         let strip = lines.partition_point(|line| *line <= across);
         if strip == 0 || strip == lines.len() || station.lift > height {
             continue;
         }
-        let left = judged.left.unwrap_or(f64::INFINITY);
-        if left > MISSED * height {
-            missed[strip - 1] += 1;
-        } else {
-            let [before, after] = [lines[strip - 1], lines[strip]];
-            let share = 2.0 * (across - before).min(after - across) / (after - before);
-            let here = left.max(0.0) * height / (height - judged.marks).max(1e-3 * height);
-            heights[strip - 1].push([here, if share >= NEAR_THE_RIDGE { here / (share * share) } else { here }]);
-        }
+        let [before, after] = [lines[strip - 1], lines[strip]];
+        let share = 2.0 * (across - before).min(after - across) / (after - before);
+        let here = judged.ridge(height);
+        heights[strip - 1].push([here, if share >= NEAR_THE_RIDGE { here / (share * share) } else { here }]);
     }
     let factors: Vec<f64> = heights
         .iter_mut()
-        .zip(missed)
-        .map(|(heights, missed)| {
+        .map(|heights| {
+            let missed = heights.iter().filter(|[here, _]| *here > missed_from).count();
             #[expect(clippy::cast_precision_loss, reason = "thousands")]
-            if missed as f64 > TOO_FAR_APART * (heights.len() + missed) as f64 {
-                return MOST_NARROWED;
+            if missed as f64 <= TOO_FAR_APART * heights.len() as f64 {
+                heights.retain(|[here, _]| *here <= missed_from);
             }
             // A thousandth of a strip's area may be over.
             let place = heights.len().saturating_sub(1 + heights.len() / 1000);

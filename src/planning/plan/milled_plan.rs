@@ -224,7 +224,7 @@ impl Planner<'_> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         for beside in FURTHER_RUNS {
-            let missed = missed(stations, &plan.judged, height);
+            let missed = missed(stations, &plan.judged, &plan.family, height);
             if missed.iter().map(|missed| missed.share).sum::<f64>() <= effort.missed {
                 break;
             }
