@@ -50,8 +50,8 @@ pub(crate) struct Faults {
     /// The objects that were read, each with its pointer and the names that it may have. Of the objects in an array, only
     /// the first.
     objects: Vec<(String, Vec<&'static str>)>,
-    /// Set when the request is no longer needed.
-    cancel: CancelFlag,
+    /// Set when the request is no longer needed. `None` for short requests, which are read to their end.
+    cancel: Option<CancelFlag>,
 }
 
 impl Default for Faults {
@@ -66,17 +66,17 @@ impl Faults {
 
     /// An empty list that will hold this many faults; further ones are counted.
     pub(crate) fn at_most(most_listed: usize) -> Self {
-        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, objects: Vec::new(), cancel: CancelFlag::default() }
+        Self { most_listed, listed: Vec::new(), unlisted: 0, left_out: 0, objects: Vec::new(), cancel: None }
     }
 
     /// An empty list for readers that end early once `cancel` is set; what they read and find is then discarded.
     pub(crate) fn until(cancel: &CancelFlag) -> Self {
-        Self { cancel: cancel.clone(), ..Self::default() }
+        Self { cancel: Some(cancel.clone()), ..Self::default() }
     }
 
     /// The flag that ends reading early, for readers of large values.
     pub(crate) fn cancel_flag(&self) -> CancelFlag {
-        self.cancel.clone()
+        self.cancel.clone().unwrap_or_default()
     }
 
     /// Records a fault and returns the proof of it.
@@ -101,7 +101,7 @@ impl Faults {
 
     /// Takes all faults out of the list.
     pub(crate) fn take(&mut self) -> Self {
-        std::mem::replace(self, Self::at_most(self.most_listed))
+        std::mem::replace(self, Self { cancel: self.cancel.clone(), ..Self::at_most(self.most_listed) })
     }
 
     /// Counts faults that the caller leaves out of the list. Only the total includes them.
@@ -209,6 +209,15 @@ pub(crate) fn describe(raw: &RawValue) -> Cow<'static, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_left_after_faults_are_taken_can_still_be_cancelled() {
+        let cancel = CancelFlag::default();
+        let mut faults = Faults::until(&cancel);
+        drop(faults.take());
+        cancel.cancel();
+        assert!(faults.cancel_flag().is_cancelled());
+    }
 
     #[test]
     fn faults_beyond_the_limit_are_counted_not_kept() {
