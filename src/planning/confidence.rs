@@ -1,5 +1,7 @@
 //! The confidence in a recommendation, with the reasons that lower it; common to both methods.
 
+use crate::quantity::Length;
+
 /// The reliability of a recommendation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
@@ -35,6 +37,13 @@ impl<W> Reason<W> {
     pub(super) fn over(weakness: W, figure: f64, moderate: f64, low: f64) -> Option<Self> {
         let (level, threshold) = if figure > low { (Level::Low, low) } else { (Level::Moderate, moderate) };
         (figure > moderate).then_some(Self { weakness, level, figure, threshold })
+    }
+
+    /// The reason for an area in mm^2 that a solid lacks: a ball of 3 mm sinks by 4 % of a scallop height of 0.01 mm into a hole ten
+    /// scallop heights wide, and by four scallop heights into one ten times as wide.
+    pub(super) fn missing_area(weakness: W, area: f64, scallop_height: Length) -> Option<Self> {
+        let [moderate, low] = [10.0, 100.0].map(|heights| (heights * scallop_height.mm()).powi(2));
+        Self::over(weakness, area, moderate, low)
     }
 }
 

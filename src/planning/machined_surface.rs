@@ -21,6 +21,7 @@ pub(crate) struct MachinedSurface {
     pub(crate) machined_pieces: usize,
     /// The share of the selected area that is hidden from above or overhangs, without the undersides of closed solids.
     hidden_area_share: f64,
+    missing_area: f64,
     /// The part as plans see it.
     pub(crate) workpiece: Workpiece,
     pub(crate) view: ViewFromAbove,
@@ -80,12 +81,13 @@ impl MachinedSurface {
         }
         let of_machined = pieces.of_facets().iter().zip(&machined).filter(|(_, machined)| **machined).map(|(piece, _)| *piece);
         let machined_pieces = of_machined.collect::<BTreeSet<_>>().len();
+        let missing_area = missing_area(&pieces, &selected);
         let view = mesh.seen_from_above_until(MAP_SIDE, stop);
         go_on()?;
         let avoid =
             avoid.map(|(avoid, unit)| avoid.finish_until(unit, Facing::Any, stop).map_err(NoMachinedSurface::Avoided)).transpose()?;
         let workpiece = Workpiece::new(&mesh, &visibility, &selected, avoid.as_ref(), stop);
-        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, hidden_area_share, workpiece, view, selected })
+        Ok(Self { mesh, visibility, pieces: pieces.count(), machined_pieces, hidden_area_share, missing_area, workpiece, view, selected })
     }
 
     /// The shape of the selected facets.
@@ -112,6 +114,7 @@ impl MachinedSurface {
             hidden_area_share: self.hidden_area_share,
             pieces: self.machined_pieces,
             turned_area_share: self.turned_area_share(),
+            missing_area: self.missing_area,
         }
     }
 
@@ -136,4 +139,10 @@ pub(crate) fn hidden_area_share(mesh: &Mesh, visibility: &Visibility, pieces: &P
         }
     }
     if whole > 0.0 { hidden / whole } else { 0.0 }
+}
+
+/// The largest area in mm^2 that a piece with a selected facet lacks to be a closed solid.
+pub(crate) fn missing_area(pieces: &Pieces, selected: &[bool]) -> f64 {
+    let of_selected = pieces.of_facets().iter().zip(selected).filter(|(_, selected)| **selected);
+    of_selected.map(|(piece, _)| pieces.missing_areas()[*piece as usize]).fold(0.0, f64::max)
 }

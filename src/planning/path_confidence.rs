@@ -1,6 +1,7 @@
 //! The confidence in the check of a path, and the reasons that lower it.
 
 use super::confidence::{Confidence, Reason};
+use crate::quantity::Length;
 use std::fmt;
 
 /// What the check of a path rests on.
@@ -10,6 +11,10 @@ pub struct PathEvidence {
     pub hidden_area_share: f64,
     /// The share of the visible area whose facets face the other way than the rest.
     pub turned_area_share: f64,
+    /// The area in mm^2 that the surface lacks to be a closed solid, 0 for a skin.
+    pub missing_area: f64,
+    /// The tolerance of the check.
+    pub tolerance: Length,
     /// The share of the length of the moves at the feed rate for which the path states no feed rate.
     pub assumed_feed_share: f64,
     /// The moves at the feed rate from stop to stop, on average, on a control without a path tolerance; 0 with one.
@@ -24,6 +29,9 @@ pub enum PathWeakness {
     /// Some facets have the opposite orientation, so that the mesh does not show on which side the part is. Figure: their
     /// share of the area.
     InconsistentOrientation,
+    /// A solid lacks facets, or some are turned: into a hole the path may cut, and what it leaves there is not checked. Figure: their
+    /// area in mm^2.
+    NotClosed,
     /// A part of the path has no feed rate and is timed at the machine's. Figure: its share of the length.
     AssumedPathFeed,
     /// The machine has no path tolerance: corners between stops take no time. Figure: the moves from stop to stop.
@@ -34,9 +42,11 @@ impl Confidence<PathWeakness> {
     /// The confidence in the check of a path.
     #[must_use]
     pub fn in_path(evidence: &PathEvidence) -> Self {
-        let PathEvidence { hidden_area_share, turned_area_share, assumed_feed_share, moves_without_corners } = *evidence;
+        let PathEvidence { hidden_area_share, turned_area_share, missing_area, tolerance, assumed_feed_share, moves_without_corners } =
+            *evidence;
         let reasons = [
             Reason::over(PathWeakness::InconsistentOrientation, turned_area_share, 0.001, 0.05),
+            Reason::missing_area(PathWeakness::NotClosed, missing_area, tolerance),
             Reason::over(PathWeakness::HiddenArea, hidden_area_share, 0.001, 0.1),
             Reason::over(PathWeakness::AssumedPathFeed, assumed_feed_share, 0.01, f64::INFINITY),
             // A move and the two about it are a pass with its links.
@@ -64,6 +74,9 @@ impl fmt::Display for Reason<PathWeakness> {
                     100.0 * figure
                 )
             }
+            PathWeakness::NotClosed => {
+                write!(f, "the solid is not closed: facets of {figure:.4} mm^2 are missing or turned, and there the path is not checked")
+            }
             PathWeakness::AssumedPathFeed => {
                 write!(f, "{:.2} % of the length has no feed rate and is timed at the machine's", 100.0 * figure)
             }
@@ -84,12 +97,23 @@ mod tests {
 
     #[test]
     fn reasons_are_named_from_their_thresholds_on() {
-        let sound = PathEvidence { hidden_area_share: 0.0, turned_area_share: 0.0, assumed_feed_share: 0.0, moves_without_corners: 0.0 };
+        let sound = PathEvidence {
+            hidden_area_share: 0.0,
+            turned_area_share: 0.0,
+            missing_area: 0.005,
+            tolerance: Length::computed(0.01),
+            assumed_feed_share: 0.0,
+            moves_without_corners: 0.0,
+        };
         assert_eq!(Confidence::in_path(&sound).level(), Level::High);
-        let doubtful = PathEvidence { hidden_area_share: 0.02, turned_area_share: 0.2, moves_without_corners: 40.0, ..sound };
+        let doubtful =
+            PathEvidence { hidden_area_share: 0.02, turned_area_share: 0.2, missing_area: 0.5, moves_without_corners: 40.0, ..sound };
         let confidence = Confidence::in_path(&doubtful);
         assert_eq!(confidence.level(), Level::Low);
         let weaknesses: Vec<PathWeakness> = confidence.reasons().iter().map(|reason| reason.weakness).collect();
-        assert_eq!(weaknesses, [PathWeakness::InconsistentOrientation, PathWeakness::HiddenArea, PathWeakness::CornersNotTimed]);
+        assert_eq!(
+            weaknesses,
+            [PathWeakness::InconsistentOrientation, PathWeakness::NotClosed, PathWeakness::HiddenArea, PathWeakness::CornersNotTimed]
+        );
     }
 }

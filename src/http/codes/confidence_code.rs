@@ -31,6 +31,7 @@ codes! {
         SteepArea = "steep-area": "Part of the area is too steep for the spacing of passes", "Finish the walls in a separate operation.";
         HiddenArea = "hidden-area": "Part of the selected area is hidden from above (undersides of closed solids are not counted)", "Machine it in another set-up.";
         InconsistentOrientation = "inconsistent-orientation": "Part of the facets face the other way than the rest", "Repair the mesh: unify the orientation of its facets.";
+        NotClosed = "not-closed": "A solid lacks facets, or some are turned", "Repair the mesh: close its holes.";
         UnitUnlikely = "unit-unlikely": "The size of the part suggests that its file is in another unit", "State unit.";
         OverTolerance = "over-tolerance": "Part of the area that the cutter reaches is left over the scallop height", "Look at the map of scallop heights; finish that part in a second operation.";
         AssumedPathFeed = "assumed-path-feed": "Part of the path states no feed rate", "State the feed rates of the path.";
@@ -41,12 +42,13 @@ codes! {
 
 same_names! {
     SurfaceWeakness => ConfidenceCode:
-    NotMilled, AssumedFeed, SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, OverTolerance, Gouge,
+    NotMilled, AssumedFeed, SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, NotClosed, OverTolerance,
+    Gouge,
 }
 
 same_names! {
     PathWeakness => ConfidenceCode:
-    HiddenArea, InconsistentOrientation, AssumedPathFeed, CornersNotTimed,
+    HiddenArea, InconsistentOrientation, NotClosed, AssumedPathFeed, CornersNotTimed,
 }
 
 same_names! {

@@ -24,7 +24,7 @@ use crate::path::{
     DropCutter, Finding, FindingKind, Finish, Left, Milled, Move, MoveKind, Passage, PathLengths, Place, Places, Reach, findings,
     idle_length,
 };
-use crate::planning::machined_surface::{NoMachinedSurface, Stop, hidden_area_share};
+use crate::planning::machined_surface::{NoMachinedSurface, Stop, hidden_area_share, missing_area};
 use crate::planning::{Confidence, PathEvidence};
 use crate::quantity::{Angle, Length};
 use crate::surface::mesh::FacetClass;
@@ -103,6 +103,7 @@ pub(super) struct PathToCheck {
     old_feeds: bool,
     hidden_area_share: f64,
     turned_area_share: f64,
+    missing_area: f64,
     warnings: Vec<Warning>,
 }
 
@@ -162,6 +163,7 @@ impl PathToCheck {
             return Err(report(NoMachinedSurface::NothingToMachine, &at, faults));
         }
         let hidden_area_share = hidden_area_share(&mesh, &visibility, &pieces, &selected);
+        let missing_area = missing_area(&pieces, &selected);
         let from_behind = visibility.share_from_behind();
         let ((cutters, mut path), machine, tolerance) = (path?, machine?, tolerance?.height);
         if tip? == Some(TipPoint::Centre) {
@@ -180,6 +182,7 @@ impl PathToCheck {
             old_feeds,
             hidden_area_share,
             turned_area_share: from_behind.min(1.0 - from_behind),
+            missing_area,
             warnings,
         };
         if (check.includes(PathPart::Feeds) || check.includes(PathPart::Program)) && !check.has_teeth() {
@@ -316,6 +319,8 @@ impl PathToCheck {
         PathEvidence {
             hidden_area_share: self.hidden_area_share,
             turned_area_share: self.turned_area_share,
+            missing_area: self.missing_area,
+            tolerance: self.tolerance,
             assumed_feed_share: if whole > 0.0 { assumed / whole } else { 0.0 },
             moves_without_corners: if self.machine.path_tolerance.is_some() { 0.0 } else { cuts / runs.max(1.0) },
         }

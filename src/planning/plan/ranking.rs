@@ -490,6 +490,7 @@ impl Confidence<SurfaceWeakness> {
         reasons.extend(Reason::over(SurfaceWeakness::HiddenArea, evidence.hidden_area_share, 0.02, 0.2));
         reasons.extend(Reason::over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
         reasons.extend(Reason::over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
+        reasons.extend(Reason::missing_area(SurfaceWeakness::NotClosed, evidence.missing_area, scallop_height));
         Some(Self::from_reasons(reasons))
     }
 }

@@ -13,12 +13,14 @@ pub struct SurfaceEvidence {
     pub pieces: usize,
     /// The share of the visible area whose facets face the other way than the rest, 0 to a half.
     pub turned_area_share: f64,
+    /// The area in mm^2 that the surface lacks to be a closed solid, 0 for a skin.
+    pub missing_area: f64,
 }
 
 impl Default for SurfaceEvidence {
     /// One piece, completely visible, with one orientation.
     fn default() -> Self {
-        Self { hidden_area_share: 0.0, pieces: 1, turned_area_share: 0.0 }
+        Self { hidden_area_share: 0.0, pieces: 1, turned_area_share: 0.0, missing_area: 0.0 }
     }
 }
 
@@ -49,6 +51,8 @@ pub enum SurfaceWeakness {
     /// Some facets have the opposite orientation, so that the mesh does not show on which side the part is. Figure:
     /// their share of the area.
     InconsistentOrientation,
+    /// A solid lacks facets, or some are turned. Into a hole the cutter goes as far as it fits. Figure: their area in mm^2.
+    NotClosed,
     /// The recommended plan leaves more than half a per cent of the area, of what the cutter can reach, higher than 1.02 of
     /// the scallop height. Figure: that share.
     OverTolerance,
@@ -97,6 +101,10 @@ impl fmt::Display for Reason<SurfaceWeakness> {
                     100.0 * figure
                 )
             }
+            SurfaceWeakness::NotClosed => write!(
+                f,
+                "the solid is not closed: facets of {figure:.4} mm^2 are missing or turned, and the cutter goes into a hole as far as it fits"
+            ),
             SurfaceWeakness::OverTolerance => {
                 write!(
                     f,

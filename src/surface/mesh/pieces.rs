@@ -4,10 +4,11 @@ use super::{Mesh, twice_area};
 use crate::numerics::vector::{dot, length};
 
 /// The piece to which each facet belongs. Facets that share a point are connected.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Pieces {
     of_facet: Vec<u32>,
     closures: Vec<Closure>,
+    missing_areas: Vec<f64>,
 }
 
 /// Whether a piece encloses a volume, and where its facets point.
@@ -32,6 +33,13 @@ impl Pieces {
     #[must_use]
     pub fn closures(&self) -> &[Closure] {
         &self.closures
+    }
+
+    /// The area in mm^2 that each piece lacks on its upper side to be a closed solid, if that is little. A facet that is turned counts
+    /// twice, holes on opposite sides count by their difference.
+    #[must_use]
+    pub fn missing_areas(&self) -> &[f64] {
+        &self.missing_areas
     }
 
     /// The number of pieces.
@@ -89,15 +97,17 @@ impl Mesh {
                 *piece
             })
             .collect();
-        let closures = self.closures_until(&of_facet, count, stop);
-        Pieces { of_facet, closures }
+        let sums = self.enclosed_until(&of_facet, count, stop);
+        let bounds = self.bounds();
+        let extent = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f64::max);
+        let closures = sums.iter().map(|sums| sums.closure(extent)).collect();
+        Pieces { of_facet, closures, missing_areas: sums.iter().map(Enclosed::missing_area).collect() }
     }
 
-    /// Whether each piece is closed.
-    fn closures_until(&self, of_facet: &[u32], count: u32, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Closure> {
+    /// The sums over each piece.
+    fn enclosed_until(&self, of_facet: &[u32], count: u32, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Enclosed> {
         let bounds = self.bounds();
         let centre = [0, 1, 2].map(|axis| f64::midpoint(bounds.min[axis], bounds.max[axis]));
-        let extent = (0..3).map(|axis| bounds.max[axis] - bounds.min[axis]).fold(0.0, f64::max);
         let mut sums = vec![Enclosed::default(); count as usize];
         let facets = of_facet.chunks(TURN).zip(self.triangles().chunks(TURN)).take_while(|_| !stop());
         for (piece, &triangle) in facets.flat_map(|(pieces, triangles)| pieces.iter().zip(triangles)) {
@@ -107,7 +117,7 @@ impl Mesh {
             });
             sums[*piece as usize].add(a, twice_area(a, b, c));
         }
-        sums.into_iter().map(|sums| sums.closure(extent)).collect()
+        sums
     }
 
     /// Turns the facets of closed pieces that point inwards. The facets of a cavity are a piece of their own and are turned,
@@ -136,6 +146,10 @@ struct Enclosed {
 /// files have at edges.
 const MISSING: f64 = 1e-3;
 
+/// A piece that lacks more than this share of its area is a skin, whose borders are meant: that of a pocket five times as deep as
+/// it is wide lacks a twentieth to be closed.
+const MOST_MISSING: f64 = 0.05;
+
 /// The least mean thickness of a solid, as a share of its extent. A sheet with each facet in both orientations has none.
 const THINNEST: f64 = 1e-9;
 
@@ -147,13 +161,20 @@ impl Enclosed {
         self.volume += dot(corner, vector);
     }
 
-    fn closure(self, extent: f64) -> Closure {
+    fn closure(&self, extent: f64) -> Closure {
         let is_open = length(self.vector) > MISSING * self.area || self.volume.abs() < THINNEST * self.area * extent;
         match (is_open, self.volume > 0.0) {
             (true, _) => Closure::Open,
             (false, true) => Closure::Outwards,
             (false, false) => Closure::Inwards,
         }
+    }
+
+    /// Half of the length of the sum of vectors, which is that of missing facets, if these face up.
+    fn missing_area(&self) -> f64 {
+        let twice = length(self.vector);
+        let is_above = self.vector[2] * self.volume < 0.0;
+        if is_above && twice <= MOST_MISSING * self.area { twice / 2.0 } else { 0.0 }
     }
 }
 

@@ -147,6 +147,28 @@ fn solids_are_closed_and_have_their_facets_outside_or_inside() {
 }
 
 #[test]
+fn solids_with_a_hole_above_lack_its_area() {
+    // A box whose upper side is a grid of facets.
+    let top = grid(20, 20, |u, v| [40.0 * u, 20.0 * v, 10.0]);
+    let below = solid_box([0.0; 3], [40.0, 20.0, 10.0]).into_iter().filter(|facet| facet.iter().any(|corner| corner[2] == 0.0));
+    let solid: Vec<_> = (0..top.triangles().len()).map(|facet| top.corners(facet)).chain(below).collect();
+    let missing = |facets: &[[[f64; 3]; 3]]| mesh(facets).pieces().missing_areas().to_vec();
+    assert_relative_eq!(missing(&solid)[..], [0.0][..], epsilon = 1e-9);
+    let (_, area) = top.normal_and_area(100);
+    let mut with_hole = solid.clone();
+    with_hole.remove(100);
+    assert_relative_eq!(missing(&with_hole)[..], [area][..], max_relative = 1e-9);
+    let inwards: Vec<_> = with_hole.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    assert_relative_eq!(missing(&inwards)[..], [area][..], max_relative = 1e-9);
+    // A hole in the underside is below what is milled; a box without its lid is a skin.
+    let mut without = solid.clone();
+    without.retain(|facet| facet.iter().any(|corner| corner[2] > 0.0));
+    assert_eq!(missing(&without), [0.0]);
+    without = solid.iter().copied().filter(|facet| facet.iter().any(|corner| corner[2] == 0.0)).collect();
+    assert_eq!(missing(&without), [0.0]);
+}
+
+#[test]
 fn solids_are_turned_outwards() {
     let inwards: Vec<_> = solid_box([0.0; 3], [40.0, 20.0, 10.0]).into_iter().map(|[a, b, c]| [a, c, b]).collect();
     let mut solid = mesh(&inwards);

@@ -151,7 +151,7 @@ fn confidence_lists_the_weaknesses() {
     let confidence = |evidence| rank(&part, &published_cutters(), &settings, evidence, &|| false).unwrap().confidence.unwrap();
     let sound = confidence(SurfaceEvidence::default());
     assert_eq!((sound.level(), sound.reasons()), (Level::High, &[][..]));
-    let doubtful = confidence(SurfaceEvidence { hidden_area_share: 0.3, pieces: 2, turned_area_share: 0.0 });
+    let doubtful = confidence(SurfaceEvidence { hidden_area_share: 0.3, pieces: 2, ..SurfaceEvidence::default() });
     let weaknesses: Vec<_> = doubtful.reasons().iter().map(|reason| (reason.weakness, reason.level)).collect();
     assert_eq!(weaknesses, [(SurfaceWeakness::HiddenArea, Level::Low), (SurfaceWeakness::SeveralPieces, Level::Moderate)]);
 }
