@@ -1,5 +1,4 @@
-//! A parser of decimal numbers. The result is correctly rounded, and the notations that are common in files take no
-//! allocation.
+//! A parser of decimal numbers, with a decimal comma and Fortran's exponents too.
 
 use super::LARGEST_COORDINATE;
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
@@ -11,78 +10,29 @@ use crate::file_fault::{FileFaultKind, Flaw, quoted};
 /// Fortran's `d` and `D` mean the same as `e`. The value is the double nearest to the written number, infinite if that
 /// is beyond the largest double.
 pub(super) fn number(text: &[u8], mark: u8) -> Option<(f64, usize)> {
-    let negative = text.first() == Some(&b'-');
-    let start = usize::from(negative || text.first() == Some(&b'+'));
-    let (whole, mut at) = digits(text, start, 0);
-    let mut count = at - start;
-    let mut mantissa = whole;
-    let mut exponent = 0;
-    if text.get(at) == Some(&mark) {
-        let (all, end) = digits(text, at + 1, whole);
-        let decimals = end - (at + 1);
-        if count + decimals > 0 {
-            (mantissa, at) = (all, end);
-            count += decimals;
-            exponent = -i64::try_from(decimals).ok()?;
-        }
+    let after_sign = |at: usize| at + usize::from(matches!(text.get(at), Some(b'+' | b'-')));
+    let after_digits = |at: usize| at + text[at..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let start = after_sign(0);
+    let mut end = after_digits(start);
+    let mut digits = end - start;
+    if text.get(end) == Some(&mark) {
+        let end_of_decimals = after_digits(end + 1);
+        digits += end_of_decimals - (end + 1);
+        end = if digits > 0 { end_of_decimals } else { end };
     }
-    if count == 0 {
+    if digits == 0 {
         return None;
     }
-    if let Some(b'e' | b'E' | b'd' | b'D') = text.get(at) {
-        let negative = text.get(at + 1) == Some(&b'-');
-        let first = at + 1 + usize::from(negative || text.get(at + 1) == Some(&b'+'));
-        let (power, end) = power(text, first);
-        if end > first {
-            exponent += if negative { -power } else { power };
-            at = end;
-        }
+    if let Some(b'e' | b'E' | b'd' | b'D') = text.get(end) {
+        let start_of_power = after_sign(end + 1);
+        let end_of_power = after_digits(start_of_power);
+        end = if end_of_power > start_of_power { end_of_power } else { end };
     }
-    // 19 digits always fit into 64 bits.
-    let value = match (count <= 19).then(|| exact(mantissa, exponent)).flatten() {
-        Some(magnitude) if negative => -magnitude,
-        Some(magnitude) => magnitude,
-        None => rounded(&text[..at], mark)?,
-    };
-    Some((value, at))
-}
-
-/// Appends the digits from `at` on to `value`, and returns the end of the digits. More than 19 digits overflow and
-/// wrap; the caller checks for that.
-fn digits(text: &[u8], mut at: usize, mut value: u64) -> (u64, usize) {
-    while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
-        value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
-        at += 1;
-    }
-    (value, at)
-}
-
-/// The value of an exponent, saturated at a million, which is beyond any double.
-fn power(text: &[u8], mut at: usize) -> (i64, usize) {
-    let mut value = 0;
-    while let Some(digit) = text.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit < 10) {
-        value = (value * 10 + i64::from(digit)).min(1_000_000);
-        at += 1;
-    }
-    (value, at)
-}
-
-/// mantissa 10^exponent, if one correctly rounded operation on two exact doubles yields it: integers up to 2^53 and
-/// powers up to 10^22 = 2^22 5^22 are exact, because 5^22 < 2^53.
-fn exact(mantissa: u64, exponent: i64) -> Option<f64> {
-    const POWERS: [f64; 23] =
-        [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22];
-    if mantissa > 1 << 53 {
-        return None;
-    }
-    #[allow(clippy::cast_precision_loss, reason = "at most 2^53, which is exact")]
-    let mantissa = mantissa as f64;
-    let power = *POWERS.get(usize::try_from(exponent.unsigned_abs()).ok()?)?;
-    Some(if exponent < 0 { mantissa / power } else { mantissa * power })
+    Some((parsed(&text[..end], mark)?, end))
 }
 
 /// Parses with the standard library, which accepts neither a comma nor Fortran's `d`.
-fn rounded(token: &[u8], mark: u8) -> Option<f64> {
+fn parsed(token: &[u8], mark: u8) -> Option<f64> {
     let token = std::str::from_utf8(token).ok()?;
     if mark == b'.' && !token.contains(['d', 'D']) {
         return token.parse().ok();
