@@ -18,6 +18,9 @@ const START_AT: f64 = 0.7;
 /// Axes closer than this many mm are the same.
 const SAME: f64 = 1e-9;
 
+/// A walk ends within this share of the flat's radius of an axis of an earlier one: from there on it would be the same walk.
+const JOINED: f64 = 0.03;
+
 /// Off a plane of at least this gradient a flat cutter moves by its lift over the gradient. On gentler ones that step is too long.
 const STEEP: f64 = 1.0;
 
@@ -72,13 +75,19 @@ impl Standing {
             return Self { axis, tip: z - height, lift };
         }
         let mut best = Self { axis: [x, y], tip: z, lift: f64::INFINITY };
+        let mut walked: Vec<[f64; 2]> = Vec::new();
         let starts = (0..STARTS).map(|part| TAU * f64::from(part) / f64::from(STARTS)).map(|angle| {
             let (sin, cos) = angle.sin_cos();
             [x + START_AT * flat * cos, y + START_AT * flat * sin]
         });
         for mut axis in std::iter::once([x, y]).chain(starts) {
             let mut before = axis;
+            let of_earlier = walked.len();
             for _ in 0..MOST_STEPS {
+                if walked[..of_earlier].iter().any(|earlier| (axis[0] - earlier[0]).hypot(axis[1] - earlier[1]) <= JOINED * flat) {
+                    break;
+                }
+                walked.push(axis);
                 let Some((lift, touch)) = lift_at(axis, z) else { break };
                 // Of two that are as high, the later one is farther from what it touched: in a slot as wide as the cutter, where it fits.
                 if lift <= best.lift {

@@ -6,8 +6,9 @@ use super::region::Region;
 use super::spread::Spread;
 use super::travel;
 use super::workpiece::Workpiece;
+use crate::milling::Profile;
 use crate::motion::Machine;
-use crate::path::{Sampling, Touch, tips_between};
+use crate::path::{DropCutter, Sampling, Touch, tips_between};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -323,7 +324,7 @@ impl RunMaker<'_> {
     }
 
     /// Lengthens runs over borders that are oblique to them, so that the corner between two lines is cut: a run goes half as
-    /// far as its neighbour goes farther, at most a spacing, straight on and not into other facets.
+    /// far as its neighbour goes farther, at most a spacing, straight on where the part lets it and not up another facet.
     fn extend_beyond_borders(&self, runs: &mut [Run], lines: &[f64]) {
         let mut first_of_line = vec![0; lines.len() + 1];
         for run in runs.iter() {
@@ -369,19 +370,54 @@ impl RunMaker<'_> {
             let across = (end.tip[0] - before.tip[0]).hypot(end.tip[1] - before.tip[1]);
             if across > END { ((end.tip[2] - before.tip[2]) / across).clamp(-2.0, 2.0) } else { 0.0 }
         });
-        let at = |part: f64| {
-            let [x, y] = [0, 1].map(|axis| end.tip[axis] + sense * part * length * self.heading.along[axis]);
-            [x, y, end.tip[2] + slope * part * length]
-        };
-        let is_free = |point: [f64; 3]| {
-            self.workpiece
-                .drop
-                .drop(&self.prepared.profile, point[0], point[1], None)
-                .is_none_or(|touch| touch.height <= point[2] + self.sampling.chord_tolerance)
-        };
-        if [0.25, 0.5, 0.75, 1.0].into_iter().all(|part| is_free(at(part))) {
-            let tip = RunTip { tip: at(1.0), target: None, ..end };
-            if last { run.tips.push(tip) } else { run.tips.insert(0, tip) }
+        let further = [0, 1].map(|axis| sense * length * self.heading.along[axis]);
+        let further =
+            straight_on(&self.workpiece.drop, &self.prepared.profile, end.tip, [further[0], further[1], slope * length], &self.sampling);
+        let further = further.into_iter().flatten().map(|tip| RunTip { tip, target: None, ..end });
+        if last {
+            run.tips.extend(further);
+        } else {
+            run.tips.splice(0..0, further.rev());
         }
+    }
+}
+
+/// The tips straight on from one by a step, or on a ledge that holds the cutter up on the way; `None` where the part rises over both.
+fn straight_on(drop: &DropCutter, profile: &Profile, from: [f64; 3], step: [f64; 3], sampling: &Sampling) -> Option<Vec<[f64; 3]>> {
+    let slope = step[2] / step[0].hypot(step[1]);
+    let tolerance = sampling.chord_tolerance;
+    let lowest = from[2] + step[2].min(0.0) - tolerance;
+    let tips = tips_between(drop, profile, [from[0], from[1]], [from[0] + step[0], from[1] + step[1]], sampling, Some(lowest));
+    let mut further = Vec::new();
+    for (number, tip) in tips.iter().enumerate().skip(1) {
+        let [x, y, height] = tip.position;
+        let straight = from[2] + slope * (x - from[0]).hypot(y - from[1]);
+        if height > straight.max(from[2]) + tolerance {
+            return None;
+        }
+        if height > straight - tolerance || number + 1 == tips.len() {
+            further.push([x, y, height.max(straight)]);
+        }
+    }
+    Some(further)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_is_lengthened_over_a_ledge_and_not_up_a_wall() {
+        let step_at = |x: f64, z: f64| [[[x, -9.0, z], [x - 9.0, -9.0, z], [x, 9.0, z]]];
+        let profile = Profile::torus(3.0, 0.0);
+        let sampling = Sampling::fine(&profile, 0.001);
+        let lengthened =
+            |facets: &[[[f64; 3]; 3]]| straight_on(&DropCutter::new(facets, &|| false), &profile, [0.0; 3], [0.8, 0.0, -0.4], &sampling);
+        // Nothing is there, a ledge ends under the flat's edge after 0.1 mm, and a wall stands before the end.
+        assert_eq!(lengthened(&step_at(-5.0, -1.0)), Some(vec![[0.8, 0.0, -0.4]]));
+        let over_ledge = lengthened(&step_at(-2.9, -0.01)).unwrap();
+        assert!(over_ledge.iter().any(|[x, _, z]| (x - 0.1).abs() < 1e-3 && (z + 0.01).abs() < 1e-9), "{over_ledge:?}");
+        assert_eq!(over_ledge.last(), Some(&[0.8, 0.0, -0.4]));
+        assert_eq!(lengthened(&[[[3.5, -9.0, 1.0], [9.0, 0.0, 1.0], [3.5, 9.0, 1.0]]]), None);
     }
 }
