@@ -14,12 +14,14 @@ mod idle;
 mod milled;
 mod move_grid;
 mod moves;
+
 mod places;
 pub mod program;
 mod standing;
 #[cfg(test)]
 mod tests;
 mod tip_line;
+mod unseen;
 mod valleys;
 
 pub use check::{Finding, FindingKind, PathLengths, findings};

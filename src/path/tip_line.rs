@@ -1,8 +1,8 @@
 //! The path of the tip over a line that is straight seen from above.
 
 use super::drop_cutter::{DropCutter, Touch};
+use super::unseen::Unseen;
 use crate::milling::Profile;
-use crate::numerics::vector::difference;
 use nalgebra::Vector3;
 
 /// The shortest distance between two samples in mm. A part of the line this short over which the height changes by more
@@ -12,8 +12,8 @@ const SHORTEST: f64 = 1e-4;
 /// The share of the chord tolerance for what chords between samples miss; the other half is for leaving samples out.
 const SAMPLING_SHARE: f64 = 0.5;
 
-/// The share of the radius within which a corner is surely under the flat.
-const ROUNDING: f64 = 1e-9;
+/// Where samples may miss more than so many chord tolerances, corners and edges are sought.
+const MOST_MISSED: f64 = 10.0;
 
 /// A position of the tip.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,9 +44,9 @@ impl Tip {
 /// **Samples.** Whatever the cutter touches, T bends downwards over it no more sharply than the cutter's own profile. Over a
 /// feature between two samples at the distance d, which neither touches, T is therefore at most d^2/(8 r cos phi) over the
 /// chord, with r the smallest radius of the profile and phi the slope of the contact: at most the tolerance up to 75 deg for
-/// d = sqrt(2 r tolerance). A flat end has no such radius: the corners and edges of facets that its rim passes between two samples are
-/// sought one by one. Between samples T is compared with its tangents at both, which the contacts' normals give: where
-/// it bends one way it is between chord and tangents.
+/// d = sqrt(2 r tolerance). For a flat end, which has no such radius, and where it is far too small, the corners and edges of
+/// facets that the cutter passes between two samples are sought one by one. Between samples T is compared with its tangents at
+/// both, which the contacts' normals give: where it bends one way it is between chord and tangents.
 #[must_use]
 pub fn tips_between(
     drop: &DropCutter,
@@ -67,7 +67,7 @@ pub struct Sampling {
     pub chord_tolerance: f64,
     /// The distance in mm between samples from which refinement starts.
     pub step: f64,
-    /// Whether the corners and edges of facets that the rim of a flat end passes between two samples are sought.
+    /// Whether the corners and edges of facets that the cutter passes between two samples are sought.
     pub seeks_corners: bool,
 }
 
@@ -78,11 +78,14 @@ impl Sampling {
     pub fn fine(profile: &Profile, chord_tolerance: f64) -> Self {
         let radius = profile.outer_radius();
         let radii = profile.arcs().iter().map(|arc| arc.radius).filter(|r| *r > 0.0);
-        let step = match radii.min_by(f64::total_cmp) {
-            Some(r) => (8.0 * r * chord_tolerance).sqrt().clamp(radius / 25.0, radius / 5.0),
-            None => radius / 20.0,
+        let (step, missed) = match radii.min_by(f64::total_cmp) {
+            Some(r) => {
+                let step = (8.0 * r * chord_tolerance).sqrt().clamp(radius / 25.0, radius / 5.0);
+                (step, step * step / (8.0 * r))
+            }
+            None => (radius / 20.0, f64::INFINITY),
         };
-        Self { chord_tolerance, step, seeks_corners: profile.arcs().iter().all(|arc| arc.radius <= 0.0) }
+        Self { chord_tolerance, step, seeks_corners: missed > MOST_MISSED * chord_tolerance }
     }
 
     /// A tenth of the radius apart, for a first look: edges of the part between two samples can be missed.
@@ -181,58 +184,25 @@ impl<'a> Line<'a> {
         tips
     }
 
-    /// Where the rim of a flat end passes a facet's corner or edge that stands over the chord between two samples, seen by neither: the
-    /// place at which it comes under the flat or leaves it. Of several, the one that is highest over the chord.
+    /// Where the cutter touches a facet's corner or edge that stands over the chord between two samples, seen by neither; of several,
+    /// that which is highest over it.
     fn passed_corner(&self, a: &Sample, b: &Sample, tolerance: f64) -> Option<f64> {
         let (Some([from, _]), Some([to, _])) = (a.height, b.height) else { return None };
         if (to - from).abs() <= tolerance {
             return None;
         }
-        let (middle, half) = (0.5 * (a.s + b.s), 0.5 * (b.s - a.s));
-        let [x, y] = self.place(middle);
-        let radius = self.profile.outer_radius();
-        let rim = radius * (1.0 - ROUNDING);
-        let (mut highest, mut place) = (tolerance, None);
-        let mut look_at = |s: f64, height: f64| {
-            let over = height - from - (to - from) * (s - a.s) / (b.s - a.s);
-            if a.s < s && s < b.s && over > highest {
-                (highest, place) = (over, Some(s));
-            }
-        };
-        // Along the line, across it, and the height.
-        let seen = |corner: &[f64; 3]| {
-            let out = [corner[0] - self.start[0], corner[1] - self.start[1]];
-            let along = out[0] * self.direction[0] + out[1] * self.direction[1];
-            [along, out[1] * self.direction[0] - out[0] * self.direction[1], corner[2]]
-        };
-        self.drop.each_over(&self.profile.widened(half), [x, y, from.min(to) + tolerance], |corners| {
-            let corners = corners.each_ref().map(seen);
-            for (index, corner) in corners.iter().enumerate() {
-                let [along, across, height] = *corner;
-                if across.abs() < radius {
-                    let under = ((radius - across) * (radius + across)).sqrt() * (1.0 - ROUNDING);
-                    look_at(along - under, height);
-                    look_at(along + under, height);
-                }
-                // The rim touches an edge where the axis is as far from its line as the flat is wide, abeam of a place on it.
-                let edge = difference(corners[(index + 1) % 3], *corner);
-                let squared = edge[0] * edge[0] + edge[1] * edge[1];
-                let reach = rim * squared.sqrt();
-                // The distances from the edge's line at both samples, times its length.
-                let [first, last] = [a.s, b.s].map(|s| edge[1] * (along - s) - edge[0] * across);
-                for side in [-reach, reach] {
-                    if (first < side) != (last < side) {
-                        let s = a.s + (b.s - a.s) * (side - first) / (last - first);
-                        let share = ((s - along) * edge[0] - across * edge[1]) / squared;
-                        if (0.0..=1.0).contains(&share) {
-                            look_at(s, height + share * edge[2]);
-                        }
-                    }
-                }
-            }
+        let mut unseen = Unseen::new(self.profile, [a.s, b.s], [from, to], tolerance);
+        let [x, y] = self.place(0.5 * (a.s + b.s));
+        let widened = self.profile.widened(0.5 * (b.s - a.s));
+        self.drop.each_over(&widened, [x, y, unseen.lowest], |corners| {
+            unseen.look_at(corners.map(|[x, y, height]| {
+                let out = [x - self.start[0], y - self.start[1]];
+                let along = out[0] * self.direction[0] + out[1] * self.direction[1];
+                [along, out[1] * self.direction[0] - out[0] * self.direction[1], height]
+            }));
             true
         });
-        place
+        unseen.place
     }
 
     fn tip(&self, sample: &Sample) -> Option<Tip> {

@@ -159,38 +159,53 @@ fn beyond_the_part_the_tip_is_on_the_floor_or_nowhere() {
     assert_eq!(tips_between(&drop, &flat, [10.0, 0.0], [20.0, 0.0], &Sampling::fine(&flat, TOLERANCE), None), []);
 }
 
-/// The height of a flat end's chords along a plane with this slope, beside which a facet stands, at a place where the flat touches
-/// the facet between two samples: with corners and edges sought, and without.
-fn chords_beside(facet: [[f64; 3]; 3], slope: f64, at: f64) -> [f64; 2] {
+/// The height at which a cutter stands on a facet beside a plane of this slope, at a place between two samples, and that of its
+/// chords there: with corners and edges sought, and without.
+fn height_and_chords(profile: &Profile, facet: [[f64; 3]; 3], slope: f64, at: f64) -> [f64; 3] {
     let plane = |x: f64, y: f64| [x, y, slope * x];
     let [a, b, c, d] = [plane(-20.0, -9.0), plane(20.0, -9.0), plane(20.0, 9.0), plane(-20.0, 9.0)];
     let drop = DropCutter::new(&[[a, b, c], [a, c, d], facet], &|| false);
-    let flat = Profile::torus(3.0, 0.0);
-    let fine = Sampling::fine(&flat, TOLERANCE);
-    assert_abs_diff_eq!(drop.drop(&flat, at, 0.0, None).unwrap().height, facet[1][2]);
-    [fine, Sampling { seeks_corners: false, ..fine }].map(|sampling| {
-        let tips = tips_between(&drop, &flat, [-6.06, 0.0], [5.94, 0.0], &sampling, None);
+    let fine = Sampling::fine(profile, TOLERANCE);
+    let [sought, unsought] = [fine, Sampling { seeks_corners: false, ..fine }].map(|sampling| {
+        let tips = tips_between(&drop, profile, [-6.06, 0.0], [5.94, 0.0], &sampling, None);
         let next = tips.iter().position(|tip| tip.position[0] > at).unwrap();
         let [[x0, _, z0], [x1, _, z1]] = [tips[next - 1].position, tips[next].position];
         z0 + (z1 - z0) * (at - x0) / (x1 - x0)
-    })
+    });
+    [drop.drop(profile, at, 0.0, None).unwrap().height, sought, unsought]
 }
 
 #[test]
 fn a_flat_end_clears_a_corner_that_its_edge_passes_between_two_samples() {
     // Down a plane, beside which a corner is under the edge of the flat for 0.15 mm, over the tip for the last 0.1 of them.
+    let flat = Profile::torus(3.0, 0.0);
     let corner = [0.0, 2.999, 0.604];
-    let [sought, unsought] = chords_beside([[0.01, 3.1, 0.0], corner, [-0.01, 3.1, 0.0]], -0.2, 0.07);
-    assert_abs_diff_eq!(sought, corner[2], epsilon = TOLERANCE);
-    assert!(unsought < corner[2] - 2.0 * TOLERANCE, "{unsought}");
+    let [height, sought, unsought] = height_and_chords(&flat, [[0.01, 3.1, 0.0], corner, [-0.01, 3.1, 0.0]], -0.2, 0.07);
+    assert_abs_diff_eq!(height, corner[2]);
+    assert_abs_diff_eq!(sought, height, epsilon = TOLERANCE);
+    assert!(unsought < height - 2.0 * TOLERANCE, "{unsought}");
 }
 
 #[test]
 fn a_flat_end_clears_an_edge_that_its_rim_touches_between_two_samples() {
     // Up a plane, beside which a level edge comes under the flat between its corners and is over the tip for the first 0.075 mm.
+    let flat = Profile::torus(3.0, 0.0);
     let [x, y] = [3.0_f64, 3.0].map(|radius| radius * 0.5_f64.sqrt());
-    let height = 0.615;
-    let [sought, unsought] = chords_beside([[x + 2.0, y - 2.0, height], [x - 2.0, y + 2.0, height], [x + 3.0, y + 3.0, height]], 0.2, 0.02);
+    let edge = [[x + 2.0, y - 2.0, 0.615], [x - 2.0, y + 2.0, 0.615], [x + 3.0, y + 3.0, 0.615]];
+    let [height, sought, unsought] = height_and_chords(&flat, edge, 0.2, 0.02);
+    assert_abs_diff_eq!(height, 0.615);
+    assert_abs_diff_eq!(sought, height, epsilon = TOLERANCE);
+    assert!(unsought < height - 2.0 * TOLERANCE, "{unsought}");
+}
+
+#[test]
+fn a_bull_nose_with_a_small_corner_clears_a_point_between_two_samples() {
+    // Up a plane of 45 deg, over which a point stands out by 0.015 mm; the corner of 0.05 mm touches it where it is as steep.
+    let bull_nose = Profile::torus(3.0, 0.05);
+    let point = [2.99, 0.0, 2.99 + 0.015];
+    let at = 2.99 - (2.95 + 0.05 * 0.5_f64.sqrt());
+    let [height, sought, unsought] = height_and_chords(&bull_nose, [[3.5, 0.5, 0.0], point, [3.5, -0.5, 0.0]], 1.0, at);
+    assert_abs_diff_eq!(height, point[2] - 0.05 * (1.0 - 0.5_f64.sqrt()), epsilon = 1e-9);
     assert_abs_diff_eq!(sought, height, epsilon = TOLERANCE);
     assert!(unsought < height - 2.0 * TOLERANCE, "{unsought}");
 }

@@ -1,0 +1,97 @@
+//! Corners and edges of facets that a cutter passes between two samples of a line, seen by neither.
+
+use crate::milling::Profile;
+use crate::numerics::vector::difference;
+
+/// The share of a distance from the axis within which a corner is surely under the cutter.
+const ROUNDING: f64 = 1e-9;
+
+/// What a cutter passes between two samples of a line. Points are given by their places along the line and across it, and their
+/// heights.
+pub(super) struct Unseen<'a> {
+    profile: &'a Profile,
+    flat: f64,
+    outer: f64,
+    /// The places of both samples along the line.
+    ends: [f64; 2],
+    /// The height of the chord at the first sample, and its slope.
+    chord: [f64; 2],
+    /// Facets up to this height are under the chord.
+    pub(super) lowest: f64,
+    /// The largest height over the chord so far.
+    highest: f64,
+    /// Where the cutter touches what is highest over the chord.
+    pub(super) place: Option<f64>,
+}
+
+impl<'a> Unseen<'a> {
+    /// Between samples at two places, with two heights of the tip; what is over the chord by up to `tolerance` is left out.
+    pub(super) fn new(profile: &'a Profile, ends: [f64; 2], [from, to]: [f64; 2], tolerance: f64) -> Self {
+        let slope = (to - from) / (ends[1] - ends[0]);
+        let (flat, outer) = (profile.arcs()[0].point(0.0).0, profile.outer_radius());
+        Self { profile, flat, outer, ends, chord: [from, slope], lowest: from.min(to) + tolerance, highest: tolerance, place: None }
+    }
+
+    /// Looks at the corners and edges of a facet.
+    pub(super) fn look_at(&mut self, corners: [[f64; 3]; 3]) {
+        for (index, corner) in corners.into_iter().enumerate() {
+            self.look_at_corner(corner);
+            self.look_at_edge(corner, difference(corners[(index + 1) % 3], corner));
+        }
+    }
+
+    /// A corner is highest over the chord where the cutter leaves it as steeply as the chord.
+    fn look_at_corner(&mut self, [along, across, height]: [f64; 3]) {
+        let [_, slope] = self.chord;
+        let ahead = |rho: f64| ((rho - across) * (rho + across)).max(0.0).sqrt().copysign(slope);
+        let [first, last] = self.ends;
+        let [near, far] = [self.flat, self.outer].map(|rho| along - ahead(rho));
+        if height <= self.lowest || across.abs() >= self.outer || near.min(far) >= last || near.max(far) <= first {
+            return;
+        }
+        let (rho, _) = self.rim(slope);
+        if across.abs() < rho {
+            // The cutter is steeper there, as it passes the corner at an angle.
+            let (rho, low) = self.rim(slope * rho / ahead(rho));
+            self.touch(along - ahead(rho), height - low);
+        }
+    }
+
+    /// An edge is touched where the axis is as far from its line as the rim that is so steep, abeam of a place on it.
+    fn look_at_edge(&mut self, [along, across, height]: [f64; 3], edge: [f64; 3]) {
+        let length = (edge[0] * edge[0] + edge[1] * edge[1]).sqrt();
+        // The distances from the edge's line at both samples, times its length.
+        let [first, last] = self.ends.map(|place| edge[1] * (along - place) - edge[0] * across);
+        let farthest = first.abs().max(last.abs());
+        let is_in_reach = farthest >= self.flat * length && farthest <= self.outer * length + (last - first).abs();
+        if !is_in_reach || height.max(height + edge[2]) <= self.lowest {
+            return;
+        }
+        let (rho, low) = self.rim(self.chord[1] * length / edge[1]);
+        for side in [-rho * length, rho * length] {
+            if (first < side) != (last < side) {
+                let place = self.ends[0] + (self.ends[1] - self.ends[0]) * (side - first) / (last - first);
+                let share = ((place - along) * edge[0] - across * edge[1]) / (length * length);
+                if (0.0..=1.0).contains(&share) {
+                    self.touch(place, height + share * edge[2] - low);
+                }
+            }
+        }
+    }
+
+    /// The distance from the axis at which the profile is so steep, and its height over the tip there.
+    fn rim(&self, steepness: f64) -> (f64, f64) {
+        let slope = steepness.abs().atan();
+        let (rho, low) = self.profile.arc_at(slope).point(slope);
+        (rho * (1.0 - ROUNDING), low)
+    }
+
+    /// The tip stands at this height at a place along the line.
+    fn touch(&mut self, place: f64, height: f64) {
+        let [from, slope] = self.chord;
+        let over = height - from - slope * (place - self.ends[0]);
+        if self.ends[0] < place && place < self.ends[1] && over > self.highest {
+            (self.highest, self.place) = (over, Some(place));
+        }
+    }
+}
