@@ -14,7 +14,6 @@ mod idle;
 mod milled;
 mod move_grid;
 mod moves;
-
 mod places;
 pub mod program;
 mod standing;
