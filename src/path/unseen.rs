@@ -10,6 +10,7 @@ const ROUNDING: f64 = 1e-9;
 /// heights.
 pub(super) struct Unseen<'a> {
     profile: &'a Profile,
+    /// The radii of the flat and of the cutter.
     flat: f64,
     outer: f64,
     /// The places of both samples along the line.
@@ -63,7 +64,7 @@ impl<'a> Unseen<'a> {
         // The distances from the edge's line at both samples, times its length.
         let [first, last] = self.ends.map(|place| edge[1] * (along - place) - edge[0] * across);
         let farthest = first.abs().max(last.abs());
-        let is_in_reach = farthest >= self.flat * length && farthest <= self.outer * length + (last - first).abs();
+        let is_in_reach = farthest > self.flat * length && farthest <= self.outer * length + (last - first).abs();
         if !is_in_reach || height.max(height + edge[2]) <= self.lowest {
             return;
         }

@@ -21,6 +21,7 @@ pub(crate) struct MachinedSurface {
     pub(crate) machined_pieces: usize,
     /// The share of the selected area that is hidden from above or overhangs, without the undersides of closed solids.
     hidden_area_share: f64,
+    /// The area in mm^2 that a solid with selected facets lacks to be closed.
     missing_area: f64,
     /// The part as plans see it.
     pub(crate) workpiece: Workpiece,
