@@ -146,8 +146,8 @@ struct Enclosed {
 /// files have at edges.
 const MISSING: f64 = 1e-3;
 
-/// A piece that lacks more than this share of its area is a skin, whose borders are meant: that of a pocket five times as deep as
-/// it is wide lacks a twentieth to be closed.
+/// A piece that lacks more than this share of its area is a skin, whose borders are meant. The skin of a pocket lacks less only if it
+/// is five times as deep as it is wide.
 const MOST_MISSING: f64 = 0.05;
 
 /// The least mean thickness of a solid, as a share of its extent. A sheet with each facet in both orientations has none.
