@@ -12,8 +12,11 @@ const SHORTEST: f64 = 1e-4;
 /// The share of the chord tolerance for what chords between samples miss; the other half is for leaving samples out.
 const SAMPLING_SHARE: f64 = 0.5;
 
-/// Where samples may miss more than so many chord tolerances, corners and edges are sought.
-const MOST_MISSED: f64 = 10.0;
+/// The depth in chord tolerances to which a chord may cut into what both its ends miss.
+const MOST_MISSED: f64 = 3.0;
+
+/// Where a chord may cut deeper than so many times that, what the cutter passes is sought: four samples are sooner taken.
+const MOST_SAMPLED: f64 = 16.0;
 
 /// A position of the tip.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,12 +44,12 @@ impl Tip {
 /// step or falls behind it, by less than 1e-4 mm. Where no facet is in reach the tip is at `floor`; without a floor there
 /// are no tips, and consecutive ones may be far apart.
 ///
-/// **Samples.** Whatever the cutter touches, T bends downwards over it no more sharply than the cutter's own profile. Over a
-/// feature between two samples at the distance d, which neither touches, T is therefore at most d^2/(8 r cos phi) over the
-/// chord, with r the smallest radius of the profile and phi the slope of the contact: at most the tolerance up to 75 deg for
-/// d = sqrt(2 r tolerance). For a flat end, which has no such radius, and where it is far too small, the corners and edges of
-/// facets that the cutter passes between two samples are sought one by one. Between samples T is compared with its tangents at
-/// both, which the contacts' normals give: where it bends one way it is between chord and tangents.
+/// **Samples.** Whatever the cutter touches, T bends downwards over it no more sharply than the cutter's own profile. Between two
+/// samples at the distance l in space, the chord therefore cuts at most l^2/(8 r) into a feature that neither touches, with r the
+/// smallest radius of the profile. Where that is too much, as on steep lines, there are more samples; where it is far too much, as
+/// for a flat end, which has no such radius, the corners and edges of facets that the cutter passes between the samples are sought
+/// one by one. Between samples T is compared with its tangents at both, which the contacts' normals give: where it bends one way it
+/// is between chord and tangents.
 #[must_use]
 pub fn tips_between(
     drop: &DropCutter,
@@ -67,32 +70,29 @@ pub struct Sampling {
     pub chord_tolerance: f64,
     /// The distance in mm between samples from which refinement starts.
     pub step: f64,
-    /// Whether the corners and edges of facets that the cutter passes between two samples are sought.
-    pub seeks_corners: bool,
+    /// The sharpest bend of the profile in 1/mm, infinite for a corner, by which chords may cut into what both ends miss; 0 if
+    /// that is allowed.
+    pub sharpest_bend: f64,
 }
 
 impl Sampling {
-    /// So fine that no feature of the part is missed: what raises the tip by more than the tolerance is within
-    /// 2 sqrt(2 r tolerance) along the line. At least R/25; R/20 for a profile of corners.
+    /// So fine that no feature of the part is missed: sqrt(8 r tolerance), at least R/25; R/20 for a profile of corners.
     #[must_use]
     pub fn fine(profile: &Profile, chord_tolerance: f64) -> Self {
         let radius = profile.outer_radius();
         let radii = profile.arcs().iter().map(|arc| arc.radius).filter(|r| *r > 0.0);
-        let (step, missed) = match radii.min_by(f64::total_cmp) {
-            Some(r) => {
-                let step = (8.0 * r * chord_tolerance).sqrt().clamp(radius / 25.0, radius / 5.0);
-                (step, step * step / (8.0 * r))
-            }
+        let (step, sharpest_bend) = match radii.min_by(f64::total_cmp) {
+            Some(r) => ((8.0 * r * chord_tolerance).sqrt().clamp(radius / 25.0, radius / 5.0), 1.0 / r),
             None => (radius / 20.0, f64::INFINITY),
         };
-        Self { chord_tolerance, step, seeks_corners: missed > MOST_MISSED * chord_tolerance }
+        Self { chord_tolerance, step, sharpest_bend }
     }
 
     /// A tenth of the radius apart, for a first look: edges of the part between two samples can be missed.
     #[must_use]
     pub fn coarse(profile: &Profile, chord_tolerance: f64) -> Self {
         let step = (profile.outer_radius() / 10.0).max(Self::fine(profile, chord_tolerance).step);
-        Self { chord_tolerance, step, seeks_corners: false }
+        Self { chord_tolerance, step, sharpest_bend: 0.0 }
     }
 }
 
@@ -158,15 +158,13 @@ impl<'a> Line<'a> {
             // `last` and the end of `ahead` bound the next part of the line; the others wait in reverse order.
             while let Some(next) = ahead.last().copied() {
                 let is_fine = Self::keeps(&last, &next, SAMPLING_SHARE * tolerance);
-                if is_fine
-                    && sampling.seeks_corners
-                    && let Some(s) = self.passed_corner(&last, &next, SAMPLING_SHARE * tolerance)
-                {
+                let between = if is_fine {
+                    self.missed_between(&last, &next, sampling)
+                } else {
+                    (next.s - last.s > SHORTEST).then_some(0.5 * (last.s + next.s))
+                };
+                if let Some(s) = between {
                     ahead.push(self.sample(s, Some(&last)));
-                    continue;
-                }
-                if !is_fine && next.s - last.s > SHORTEST {
-                    ahead.push(self.sample(0.5 * (last.s + next.s), Some(&last)));
                     continue;
                 }
                 if let (false, Some([low, _]), Some([high, _])) = (is_fine, last.height, next.height)
@@ -184,12 +182,18 @@ impl<'a> Line<'a> {
         tips
     }
 
-    /// Where the cutter touches a facet's corner or edge that stands over the chord between two samples, seen by neither; of several,
-    /// that which is highest over it.
-    fn passed_corner(&self, a: &Sample, b: &Sample, tolerance: f64) -> Option<f64> {
+    /// Where a sample is to be taken between two whose chord may cut too deep into what neither sees: halfway, or where the cutter
+    /// touches the corner or edge of a facet that is highest over the chord.
+    fn missed_between(&self, a: &Sample, b: &Sample, sampling: &Sampling) -> Option<f64> {
         let (Some([from, _]), Some([to, _])) = (a.height, b.height) else { return None };
-        if (to - from).abs() <= tolerance {
+        let (run, rise) = (b.s - a.s, to - from);
+        let (tolerance, most) = (SAMPLING_SHARE * sampling.chord_tolerance, MOST_MISSED * sampling.chord_tolerance);
+        let missed = sampling.sharpest_bend * (run * run + rise * rise) / 8.0;
+        if missed <= most || rise.abs() <= tolerance {
             return None;
+        }
+        if missed <= MOST_SAMPLED * most {
+            return Some(0.5 * (a.s + b.s));
         }
         let mut unseen = Unseen::new(self.profile, [a.s, b.s], [from, to], tolerance);
         let [x, y] = self.place(0.5 * (a.s + b.s));

@@ -6,6 +6,9 @@ use crate::numerics::vector::difference;
 /// The share of a distance from the axis within which a corner is surely under the cutter.
 const ROUNDING: f64 = 1e-9;
 
+/// How often the distance of a corner from the axis is halved.
+const HALVINGS: u32 = 8;
+
 /// What a cutter passes between two samples of a line. Points are given by their places along the line and across it, and their
 /// heights.
 pub(super) struct Unseen<'a> {
@@ -50,32 +53,40 @@ impl<'a> Unseen<'a> {
         if height <= self.lowest || across.abs() >= self.outer || near.min(far) >= last || near.max(far) <= first {
             return;
         }
-        let (rho, _) = self.rim(slope);
-        if across.abs() < rho {
-            // The cutter is steeper there, as it passes the corner at an angle.
-            let (rho, low) = self.rim(slope * rho / ahead(rho));
-            self.touch(along - ahead(rho), height - low);
+        // The cutter is steeper there, as it passes the corner at an angle.
+        let (mut least, mut most) = (self.rim(slope).0.max(across.abs()), self.outer);
+        for _ in 0..HALVINGS {
+            let rho = 0.5 * (least + most);
+            if self.rim(slope * rho / ahead(rho)).0 > rho { least = rho } else { most = rho }
         }
+        let (rho, low) = self.rim(slope * most / ahead(most));
+        self.touch(along - ahead(rho), height - low);
     }
 
-    /// An edge is touched where the axis is as far from its line as the rim that is so steep, abeam of a place on it.
+    /// An edge is highest over the chord where it touches the cutter, which leaves it as steeply as the chord: both slopes tell that
+    /// of the cutter.
     fn look_at_edge(&mut self, [along, across, height]: [f64; 3], edge: [f64; 3]) {
-        let length = (edge[0] * edge[0] + edge[1] * edge[1]).sqrt();
-        // The distances from the edge's line at both samples, times its length.
-        let [first, last] = self.ends.map(|place| edge[1] * (along - place) - edge[0] * across);
-        let farthest = first.abs().max(last.abs());
-        let is_in_reach = farthest > self.flat * length && farthest <= self.outer * length + (last - first).abs();
-        if !is_in_reach || height.max(height + edge[2]) <= self.lowest {
+        if height.max(height + edge[2]) <= self.lowest {
             return;
         }
-        let (rho, low) = self.rim(self.chord[1] * length / edge[1]);
-        for side in [-rho * length, rho * length] {
-            if (first < side) != (last < side) {
-                let place = self.ends[0] + (self.ends[1] - self.ends[0]) * (side - first) / (last - first);
-                let share = ((place - along) * edge[0] - across * edge[1]) / (length * length);
-                if (0.0..=1.0).contains(&share) {
-                    self.touch(place, height + share * edge[2] - low);
-                }
+        let [_, slope] = self.chord;
+        let abeam = (edge[2] - slope * edge[0]) / edge[1];
+        let steepness = (slope * slope + abeam * abeam).sqrt();
+        let [ahead, aside] = [slope / steepness, abeam / steepness];
+        // Whether a value that changes with the distance from the axis can lie between two others.
+        let passes = |value: &dyn Fn(f64) -> f64, [first, last]: [f64; 2]| {
+            let (near, far) = (value(self.flat), value(self.outer));
+            near.min(far) <= first.max(last) && near.max(far) >= first.min(last)
+        };
+        if !passes(&|rho| rho * aside, [across, across + edge[1]]) {
+            return;
+        }
+        let share = |rho: f64| (rho * aside - across) / edge[1];
+        let place = |rho: f64| along + share(rho) * edge[0] - rho * ahead;
+        if passes(&place, self.ends) {
+            let (rho, low) = self.rim(steepness);
+            if (0.0..=1.0).contains(&share(rho)) {
+                self.touch(place(rho), height + share(rho) * edge[2] - low);
             }
         }
     }

@@ -166,7 +166,7 @@ fn height_and_chords(profile: &Profile, facet: [[f64; 3]; 3], slope: f64, at: f6
     let [a, b, c, d] = [plane(-20.0, -9.0), plane(20.0, -9.0), plane(20.0, 9.0), plane(-20.0, 9.0)];
     let drop = DropCutter::new(&[[a, b, c], [a, c, d], facet], &|| false);
     let fine = Sampling::fine(profile, TOLERANCE);
-    let [sought, unsought] = [fine, Sampling { seeks_corners: false, ..fine }].map(|sampling| {
+    let [sought, unsought] = [fine, Sampling { sharpest_bend: 0.0, ..fine }].map(|sampling| {
         let tips = tips_between(&drop, profile, [-6.06, 0.0], [5.94, 0.0], &sampling, None);
         let next = tips.iter().position(|tip| tip.position[0] > at).unwrap();
         let [[x0, _, z0], [x1, _, z1]] = [tips[next - 1].position, tips[next].position];
@@ -208,4 +208,32 @@ fn a_bull_nose_with_a_small_corner_clears_a_point_between_two_samples() {
     assert_abs_diff_eq!(height, point[2] - 0.05 * (1.0 - 0.5_f64.sqrt()), epsilon = 1e-9);
     assert_abs_diff_eq!(sought, height, epsilon = TOLERANCE);
     assert!(unsought < height - 2.0 * TOLERANCE, "{unsought}");
+}
+
+#[test]
+fn chords_up_steep_slopes_cut_little_into_points_between_samples() {
+    for (slope, profile) in [2.5, 5.0].into_iter().flat_map(|slope| profiles().map(|profile| (slope, profile))) {
+        let plane = |x: f64, y: f64| [x, y, slope * x];
+        let [a, b, c, d] = [plane(-20.0, -12.0), plane(20.0, -12.0), plane(20.0, 12.0), plane(-20.0, 12.0)];
+        let mut facets = vec![[a, b, c], [a, c, d]];
+        for pin in 0..200 {
+            // As random as the sines of the blocks above.
+            let value = |which: i32| (f64::from(10 * pin + which) * 0.618_034 * 7.0).sin();
+            let ([x, y], half) = ([10.0 * value(0), 7.0 * value(1)], 0.15 + 0.1 * value(2));
+            let [_, _, under] = plane(x, y);
+            let base = [plane(x - half, y - half), plane(x + half, y - half), plane(x + half, y + half), plane(x - half, y + half)];
+            let point = [x, y, under + slope.hypot(1.0) * (0.012 + 0.01 * value(3))];
+            facets.extend((0..4).map(|k| [base[k], base[(k + 1) % 4], point]));
+        }
+        let drop = DropCutter::new(&facets, &|| false);
+        let fine = Sampling::fine(&profile, TOLERANCE);
+        // Depths along the normal of the slope.
+        let [sought, unsought] = [fine, Sampling { sharpest_bend: 0.0, ..fine }].map(|sampling| {
+            let lines = (-30_i32..30).map(|line| 0.2 * f64::from(line)).map(|y| [[-11.0, y], [11.0, y + 1.7]]);
+            let under = lines.map(|[from, to]| deviations(&drop, &profile, &tips_between(&drop, &profile, from, to, &sampling, None))[0]);
+            under.fold(0.0, f64::max) / slope.hypot(1.0)
+        });
+        assert!(sought <= (MOST_MISSED + 1.0) * TOLERANCE, "{slope}, {profile:?}: {sought}");
+        assert!(unsought > 2.0 * sought, "{slope}, {profile:?}: {unsought} and {sought}");
+    }
 }
