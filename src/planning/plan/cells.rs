@@ -6,7 +6,7 @@ use std::collections::HashSet;
 #[derive(Debug, Clone)]
 pub(super) struct Cells {
     side: f64,
-    marked: HashSet<[i32; 2]>,
+    marked: HashSet<[i64; 2]>,
 }
 
 impl Cells {
@@ -19,12 +19,24 @@ impl Cells {
         cells
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "extents over sides are under 2^31")]
-    fn cell(&self, point: [f64; 2]) -> [i32; 2] {
-        point.map(|part| (part / self.side).floor() as i32)
+    #[expect(clippy::cast_possible_truncation, reason = "places over sides are under 2^63")]
+    fn cell(&self, point: [f64; 2]) -> [i64; 2] {
+        point.map(|part| (part / self.side).floor() as i64)
     }
 
     pub(super) fn contain(&self, point: [f64; 2]) -> bool {
         self.marked.contains(&self.cell(point))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_of_places_far_from_the_origin_are_apart() {
+        let cells = Cells::around([[1e6, -1e6]].into_iter(), 1e-6);
+        assert!(cells.contain([1e6, -1e6]) && cells.contain([1e6 + 1e-6, -1e6]));
+        assert!(!cells.contain([1e6 + 1e-3, -1e6]));
     }
 }

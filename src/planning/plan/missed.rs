@@ -48,7 +48,7 @@ pub(super) struct Missed<'a> {
     /// A run passes tips up to this distance in mm beside it.
     beside: f64,
     /// The positions of tips by squares of the cutter's radius.
-    cells: HashMap<[i32; 2], Vec<usize>>,
+    cells: HashMap<[i64; 2], Vec<usize>>,
 }
 
 impl<'a> Missed<'a> {
@@ -192,9 +192,9 @@ impl<'a> Missed<'a> {
         is_level && x.hypot(y) <= self.flat && z.abs() <= self.height && (to[2] - from[2]).abs() <= self.height
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "extents over radii are under 2^31")]
-    fn cell(&self, [x, y, _]: [f64; 3]) -> [i32; 2] {
-        [x, y].map(|part| (part / self.radius).floor() as i32)
+    #[expect(clippy::cast_possible_truncation, reason = "places over radii are under 2^63")]
+    fn cell(&self, [x, y, _]: [f64; 3]) -> [i64; 2] {
+        [x, y].map(|part| (part / self.radius).floor() as i64)
     }
 
     /// The tips within a radius of a point, and some around them.
