@@ -13,8 +13,9 @@ const HALVINGS: u32 = 8;
 /// heights.
 pub(super) struct Unseen<'a> {
     profile: &'a Profile,
-    /// The radii of the flat and of the cutter.
-    flat: f64,
+    /// Where the profile is as steep as the chord: the distance from the axis and the height over the tip. No corner or edge is
+    /// highest over the chord further inwards or lower.
+    least: [f64; 2],
     outer: f64,
     /// The places of both samples along the line.
     ends: [f64; 2],
@@ -32,8 +33,8 @@ impl<'a> Unseen<'a> {
     /// Between samples at two places, with two heights of the tip; what is over the chord by up to `tolerance` is left out.
     pub(super) fn new(profile: &'a Profile, ends: [f64; 2], [from, to]: [f64; 2], tolerance: f64) -> Self {
         let slope = (to - from) / (ends[1] - ends[0]);
-        let (flat, outer) = (profile.arcs()[0].point(0.0).0, profile.outer_radius());
-        Self { profile, flat, outer, ends, chord: [from, slope], lowest: from.min(to) + tolerance, highest: tolerance, place: None }
+        let (least, outer) = (rim(profile, slope), profile.outer_radius());
+        Self { profile, least, outer, ends, chord: [from, slope], lowest: from.min(to) + tolerance, highest: tolerance, place: None }
     }
 
     /// Looks at the corners and edges of a facet.
@@ -49,24 +50,26 @@ impl<'a> Unseen<'a> {
         let [_, slope] = self.chord;
         let ahead = |rho: f64| ((rho - across) * (rho + across)).max(0.0).sqrt().copysign(slope);
         let [first, last] = self.ends;
-        let [near, far] = [self.flat, self.outer].map(|rho| along - ahead(rho));
-        if height <= self.lowest || across.abs() >= self.outer || near.min(far) >= last || near.max(far) <= first {
+        let [least, low] = self.least;
+        let [near, far] = [least, self.outer].map(|rho| along - ahead(rho));
+        if height - low <= self.lowest || across.abs() >= self.outer || near.min(far) >= last || near.max(far) <= first {
             return;
         }
         // The cutter is steeper there, as it passes the corner at an angle.
-        let (mut least, mut most) = (self.rim(slope).0.max(across.abs()), self.outer);
+        let (mut least, mut most) = (least.max(across.abs()), self.outer);
         for _ in 0..HALVINGS {
             let rho = 0.5 * (least + most);
-            if self.rim(slope * rho / ahead(rho)).0 > rho { least = rho } else { most = rho }
+            if rim(self.profile, slope * rho / ahead(rho))[0] > rho { least = rho } else { most = rho }
         }
-        let (rho, low) = self.rim(slope * most / ahead(most));
+        let [rho, low] = rim(self.profile, slope * most / ahead(most));
         self.touch(along - ahead(rho), height - low);
     }
 
     /// An edge is highest over the chord where it touches the cutter, which leaves it as steeply as the chord: both slopes tell that
     /// of the cutter.
     fn look_at_edge(&mut self, [along, across, height]: [f64; 3], edge: [f64; 3]) {
-        if height.max(height + edge[2]) <= self.lowest {
+        let [least, low] = self.least;
+        if height.max(height + edge[2]) - low <= self.lowest {
             return;
         }
         let [_, slope] = self.chord;
@@ -75,7 +78,7 @@ impl<'a> Unseen<'a> {
         let [ahead, aside] = [slope / steepness, abeam / steepness];
         // Whether a value that changes with the distance from the axis can lie between two others.
         let passes = |value: &dyn Fn(f64) -> f64, [first, last]: [f64; 2]| {
-            let (near, far) = (value(self.flat), value(self.outer));
+            let (near, far) = (value(least), value(self.outer));
             near.min(far) <= first.max(last) && near.max(far) >= first.min(last)
         };
         if !passes(&|rho| rho * aside, [across, across + edge[1]]) {
@@ -84,18 +87,11 @@ impl<'a> Unseen<'a> {
         let share = |rho: f64| (rho * aside - across) / edge[1];
         let place = |rho: f64| along + share(rho) * edge[0] - rho * ahead;
         if passes(&place, self.ends) {
-            let (rho, low) = self.rim(steepness);
+            let [rho, low] = rim(self.profile, steepness);
             if (0.0..=1.0).contains(&share(rho)) {
                 self.touch(place(rho), height + share(rho) * edge[2] - low);
             }
         }
-    }
-
-    /// The distance from the axis at which the profile is so steep, and its height over the tip there.
-    fn rim(&self, steepness: f64) -> (f64, f64) {
-        let slope = steepness.abs().atan();
-        let (rho, low) = self.profile.arc_at(slope).point(slope);
-        (rho * (1.0 - ROUNDING), low)
     }
 
     /// The tip stands at this height at a place along the line.
@@ -106,4 +102,11 @@ impl<'a> Unseen<'a> {
             (self.highest, self.place) = (over, Some(place));
         }
     }
+}
+
+/// The distance from the axis at which the profile is so steep, and its height over the tip there.
+fn rim(profile: &Profile, steepness: f64) -> [f64; 2] {
+    let slope = steepness.abs().atan();
+    let (rho, low) = profile.arc_at(slope).point(slope);
+    [rho * (1.0 - ROUNDING), low]
 }
