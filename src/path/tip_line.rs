@@ -15,7 +15,8 @@ const SAMPLING_SHARE: f64 = 0.5;
 /// The depth in chord tolerances to which a chord may cut into what both its ends miss.
 const MOST_MISSED: f64 = 3.0;
 
-/// Where a chord may cut deeper than so many times that, what the cutter passes is sought: four samples are sooner taken.
+/// Where a chord may cut deeper than so many times that depth, what the cutter passes is sought; up to there, some more samples cost
+/// less.
 const MOST_SAMPLED: f64 = 16.0;
 
 /// A position of the tip.
@@ -70,29 +71,30 @@ pub struct Sampling {
     pub chord_tolerance: f64,
     /// The distance in mm between samples from which refinement starts.
     pub step: f64,
-    /// The sharpest bend of the profile in 1/mm, infinite for a corner, by which chords may cut into what both ends miss; 0 if
-    /// that is allowed.
-    pub sharpest_bend: f64,
+    /// The largest curvature of the profile in 1/mm, infinite for a corner: it bounds how deep a chord may cut into what both its
+    /// ends miss. With 0 nothing is looked for there.
+    pub curvature: f64,
 }
 
 impl Sampling {
-    /// So fine that no feature of the part is missed: sqrt(8 r tolerance), at least R/25; R/20 for a profile of corners.
+    /// So fine that level chords miss no more than the tolerance: sqrt(8 r tolerance) apart, at least R/25; R/20 for a profile of
+    /// corners, whose chords are searched.
     #[must_use]
     pub fn fine(profile: &Profile, chord_tolerance: f64) -> Self {
         let radius = profile.outer_radius();
         let radii = profile.arcs().iter().map(|arc| arc.radius).filter(|r| *r > 0.0);
-        let (step, sharpest_bend) = match radii.min_by(f64::total_cmp) {
+        let (step, curvature) = match radii.min_by(f64::total_cmp) {
             Some(r) => ((8.0 * r * chord_tolerance).sqrt().clamp(radius / 25.0, radius / 5.0), 1.0 / r),
             None => (radius / 20.0, f64::INFINITY),
         };
-        Self { chord_tolerance, step, sharpest_bend }
+        Self { chord_tolerance, step, curvature }
     }
 
     /// A tenth of the radius apart, for a first look: edges of the part between two samples can be missed.
     #[must_use]
     pub fn coarse(profile: &Profile, chord_tolerance: f64) -> Self {
         let step = (profile.outer_radius() / 10.0).max(Self::fine(profile, chord_tolerance).step);
-        Self { chord_tolerance, step, sharpest_bend: 0.0 }
+        Self { chord_tolerance, step, curvature: 0.0 }
     }
 }
 
@@ -188,7 +190,7 @@ impl<'a> Line<'a> {
         let (Some([from, _]), Some([to, _])) = (a.height, b.height) else { return None };
         let (run, rise) = (b.s - a.s, to - from);
         let (tolerance, most) = (SAMPLING_SHARE * sampling.chord_tolerance, MOST_MISSED * sampling.chord_tolerance);
-        let missed = sampling.sharpest_bend * (run * run + rise * rise) / 8.0;
+        let missed = sampling.curvature * (run * run + rise * rise) / 8.0;
         if missed <= most || rise.abs() <= tolerance {
             return None;
         }

@@ -6,15 +6,15 @@ use crate::numerics::vector::difference;
 /// The share of a distance from the axis within which a corner is surely under the cutter.
 const ROUNDING: f64 = 1e-9;
 
-/// How often the distance of a corner from the axis is halved.
+/// How often the range in which a corner's distance from the axis lies is halved.
 const HALVINGS: u32 = 8;
 
 /// What a cutter passes between two samples of a line. Points are given by their places along the line and across it, and their
 /// heights.
 pub(super) struct Unseen<'a> {
     profile: &'a Profile,
-    /// Where the profile is as steep as the chord: the distance from the axis and the height over the tip. No corner or edge is
-    /// highest over the chord further inwards or lower.
+    /// Where the profile is as steep as the chord: the distance from the axis, and the height over the tip. What is highest over the
+    /// chord touches the profile there or further out.
     least: [f64; 2],
     outer: f64,
     /// The places of both samples along the line.
@@ -65,8 +65,7 @@ impl<'a> Unseen<'a> {
         self.touch(along - ahead(rho), height - low);
     }
 
-    /// An edge is highest over the chord where it touches the cutter, which leaves it as steeply as the chord: both slopes tell that
-    /// of the cutter.
+    /// An edge is highest over the chord where the cutter is as steep along the edge as the edge, and along the chord as the chord.
     fn look_at_edge(&mut self, [along, across, height]: [f64; 3], edge: [f64; 3]) {
         let [least, low] = self.least;
         if height.max(height + edge[2]) - low <= self.lowest {

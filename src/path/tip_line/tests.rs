@@ -166,7 +166,7 @@ fn height_and_chords(profile: &Profile, facet: [[f64; 3]; 3], slope: f64, at: f6
     let [a, b, c, d] = [plane(-20.0, -9.0), plane(20.0, -9.0), plane(20.0, 9.0), plane(-20.0, 9.0)];
     let drop = DropCutter::new(&[[a, b, c], [a, c, d], facet], &|| false);
     let fine = Sampling::fine(profile, TOLERANCE);
-    let [sought, unsought] = [fine, Sampling { sharpest_bend: 0.0, ..fine }].map(|sampling| {
+    let [sought, unsought] = [fine, Sampling { curvature: 0.0, ..fine }].map(|sampling| {
         let tips = tips_between(&drop, profile, [-6.06, 0.0], [5.94, 0.0], &sampling, None);
         let next = tips.iter().position(|tip| tip.position[0] > at).unwrap();
         let [[x0, _, z0], [x1, _, z1]] = [tips[next - 1].position, tips[next].position];
@@ -228,7 +228,7 @@ fn chords_up_steep_slopes_cut_little_into_points_between_samples() {
         let drop = DropCutter::new(&facets, &|| false);
         let fine = Sampling::fine(&profile, TOLERANCE);
         // Depths along the normal of the slope.
-        let [sought, unsought] = [fine, Sampling { sharpest_bend: 0.0, ..fine }].map(|sampling| {
+        let [sought, unsought] = [fine, Sampling { curvature: 0.0, ..fine }].map(|sampling| {
             let lines = (-30_i32..30).map(|line| 0.2 * f64::from(line)).map(|y| [[-11.0, y], [11.0, y + 1.7]]);
             let under = lines.map(|[from, to]| deviations(&drop, &profile, &tips_between(&drop, &profile, from, to, &sampling, None))[0]);
             under.fold(0.0, f64::max) / slope.hypot(1.0)
