@@ -1,9 +1,8 @@
 //! The way from the worst of random places to the worst place.
 
-use super::milled::Left;
+use super::milled::{Left, Milled};
 use super::places::Place;
 use crate::numerics::vector::mixed;
-use crate::surface::Mesh;
 use rayon::prelude::*;
 use std::collections::HashSet;
 
@@ -15,6 +14,9 @@ pub struct Spot {
     /// The level and the move that decides.
     pub left: Left,
 }
+
+/// The corners of a facet.
+pub(super) type Corners<'a> = dyn Fn(u32) -> [[f64; 3]; 3] + Sync + 'a;
 
 /// The number of facets on which a climb begins.
 const STARTS: usize = 48;
@@ -38,36 +40,42 @@ impl Climbed {
     }
 }
 
+/// The deepest cut into the part that is reached from the given places, with the depths found there as negative heights. `corners`
+/// are those of a facet.
+#[must_use]
+pub fn deepest_cut(milled: &Milled, corners: &Corners<'_>, places: impl Iterator<Item = (Place, f64)>) -> Option<Spot> {
+    climbed(corners, places.filter(|(_, height)| *height < 0.0), Climbed::Lowest, &|place| milled.left_at(place.point, place.normal))
+}
+
 /// The worst place that is reached from the given ones on their facets, corners and edges included.
 pub(super) fn climbed(
-    mesh: &Mesh,
-    spots: impl Iterator<Item = Spot>,
+    corners: &Corners<'_>,
+    places: impl Iterator<Item = (Place, f64)>,
     towards: Climbed,
     level: &(dyn Fn(&Place) -> Option<Left> + Sync),
 ) -> Option<Spot> {
-    let worst_first = |a: &Spot, b: &Spot| match towards {
-        Climbed::Highest => b.left.height.total_cmp(&a.left.height),
-        Climbed::Lowest => a.left.height.total_cmp(&b.left.height),
+    let worst_first = |a: &(Place, f64), b: &(Place, f64)| match towards {
+        Climbed::Highest => b.1.total_cmp(&a.1),
+        Climbed::Lowest => a.1.total_cmp(&b.1),
     };
-    let mut spots: Vec<Spot> = spots.collect();
-    let most = (64 * STARTS).min(spots.len());
-    if most < spots.len() {
-        spots.select_nth_unstable_by(most, worst_first);
-        spots.truncate(most);
+    let mut places: Vec<(Place, f64)> = places.collect();
+    let most = (64 * STARTS).min(places.len());
+    if most < places.len() {
+        places.select_nth_unstable_by(most, worst_first);
+        places.truncate(most);
     }
-    spots.sort_by(worst_first);
+    places.sort_by(worst_first);
     let mut seen = HashSet::new();
-    spots.retain(|spot| seen.insert(spot.place.facet));
-    spots.truncate(STARTS);
-    spots
+    places.retain(|(place, _)| seen.insert(place.facet));
+    places.truncate(STARTS);
+    places
         .par_iter()
-        .map(|spot| on_facet(mesh, *spot, towards, level))
+        .filter_map(|(place, _)| Some(on_facet(corners(place.facet), Spot { place: *place, left: level(place)? }, towards, level)))
         .reduce_with(|a, b| if towards.is_worse(b.left.height, a.left.height) { b } else { a })
 }
 
 /// A climb by steps towards the three corners and away from them, halved when none leads on. Steps end at the border.
-fn on_facet(mesh: &Mesh, start: Spot, towards: Climbed, level: &(dyn Fn(&Place) -> Option<Left> + Sync)) -> Spot {
-    let corners = mesh.corners(start.place.facet as usize);
+fn on_facet(corners: [[f64; 3]; 3], start: Spot, towards: Climbed, level: &(dyn Fn(&Place) -> Option<Left> + Sync)) -> Spot {
     let mut best = start;
     let mut weights = barycentric(corners, start.place.point);
     let mut step: f64 = 1.0 / 3.0;

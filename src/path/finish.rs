@@ -2,7 +2,7 @@
 
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts are below 2^52")]
 
-use super::climbing::{Climbed, Spot, climbed};
+use super::climbing::{Climbed, Spot, climbed, deepest_cut};
 use super::milled::{Left, Milled};
 use super::places::{Place, Places};
 use super::standing::Reach;
@@ -129,18 +129,19 @@ impl Finish {
         let is_reached = |index: usize| !over[index] || over_reachable[index];
         let gouge_level = -GOUGE.0.max(GOUGE.1 * tolerance);
 
-        let spots = || {
+        let corners = |facet: u32| mesh.corners(facet as usize);
+        let everywhere = || {
             let inside = places.inside.iter().zip(&left).enumerate().map(|(index, (place, left))| (place, left, is_reached(index)));
             let edges = places.on_edges.iter().zip(&of_edges).map(|(place, left)| (place, left, false));
-            inside.chain(edges).filter_map(|(place, left, reached)| left.map(|left| (Spot { place: *place, left }, reached)))
+            inside.chain(edges).filter_map(|(place, left, reached)| left.map(|left| (*place, left.height, reached)))
         };
-        let level = |place: &Place| milled.left_at(place.point, place.normal);
-        let gouge = climbed(mesh, spots().filter(|(spot, _)| spot.left.height < 0.0).map(|(spot, _)| spot), Climbed::Lowest, &level);
+        let gouge = deepest_cut(milled, &corners, everywhere().map(|(place, height, _)| (place, height)));
         let may_climb = |place: &Place, left: &Left| left.height <= over_level || reach.can_touch(place);
-        let level_in_reach = |place: &Place| level(place).filter(|left| may_climb(place, left));
-        let worst = climbed(mesh, spots().filter(|(_, reached)| *reached).map(|(spot, _)| spot), Climbed::Highest, &level_in_reach);
-        let hits = places.inside.iter().zip(&collisions).filter_map(|(place, left)| left.map(|left| Spot { place: *place, left }));
-        let collision = climbed(mesh, hits, Climbed::Lowest, &|place| milled.collision_at(place.point, place.normal));
+        let level_in_reach = |place: &Place| milled.left_at(place.point, place.normal).filter(|left| may_climb(place, left));
+        let reached = everywhere().filter(|(.., reached)| *reached).map(|(place, height, _)| (place, height));
+        let worst = climbed(&corners, reached, Climbed::Highest, &level_in_reach);
+        let hits = places.inside.iter().zip(&collisions).filter_map(|(place, left)| left.map(|left| (*place, left.height)));
+        let collision = climbed(&corners, hits, Climbed::Lowest, &|place| milled.collision_at(place.point, place.normal));
         if stop() {
             return None;
         }

@@ -24,7 +24,7 @@ mod unseen;
 mod valleys;
 
 pub use check::{Finding, FindingKind, PathLengths, findings};
-pub use climbing::Spot;
+pub use climbing::{Spot, deepest_cut};
 pub use contour::{Area, Contour, LevelMap};
 pub use drop_cutter::{DropCutter, Feature, Touch};
 pub use feeds::{LargestFeeds, WithMarks, smooth};

@@ -4,6 +4,7 @@ use super::cells::Cells;
 use super::workpiece::Workpiece;
 use crate::numerics::random::Random;
 use crate::numerics::z_order::z_order;
+use crate::path::Place;
 use rayon::prelude::*;
 
 /// The places on which times are estimated.
@@ -48,6 +49,11 @@ pub(super) struct DrawnPlace {
 impl DrawnPlace {
     pub(super) fn seen_from_above(&self) -> [f64; 2] {
         [self.point[0], self.point[1]]
+    }
+
+    /// The place on its facet.
+    pub(super) fn on(&self, workpiece: &Workpiece) -> Place {
+        Place { point: self.point, normal: workpiece.targets[self.target].normal, facet: workpiece.facet_of(self.target) }
     }
 }
 

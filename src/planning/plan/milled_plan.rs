@@ -2,6 +2,7 @@
 //! the scallop height is kept and used.
 
 use super::cells::Cells;
+use super::deepest_cut::deepest_cut;
 use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
 use super::family::Family;
@@ -272,7 +273,7 @@ impl Planner<'_> {
         let milled = Milled::new(&prepared.profile, &plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
         let judged = judged(workpiece, unseen, prepared, &plan.family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
         let finish = FinishFigures::of(unseen, &judged, height);
-        let gouge = Length::computed(finish.gouge.mm().max(plan.finish.gouge.mm()));
+        let gouge = Length::computed(deepest_cut(workpiece, unseen, &judged, &milled).max(plan.finish.gouge.mm()));
         Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, judged, ..plan })
     }
 }

@@ -13,6 +13,7 @@ mod candidate;
 mod candidate_plan;
 mod cells;
 mod chain;
+mod deepest_cut;
 mod drawn_places;
 mod estimate;
 mod family;

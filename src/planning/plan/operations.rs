@@ -5,6 +5,7 @@ use super::arrangement::{Arrangement, Arranger, Planned, Tool};
 use super::candidate::CandidateCutter;
 use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
 use super::cells::Cells;
+use super::deepest_cut::deepest_cut;
 use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn, within};
 use super::estimate::least_seconds;
 use super::family::Family;
@@ -17,7 +18,7 @@ use super::settings::{Pattern, PlanSettings};
 use super::stations::{Station, stations};
 use super::workpiece::Workpiece;
 use crate::path::Milled;
-use crate::quantity::{Angle, Time};
+use crate::quantity::{Angle, Length, Time};
 use std::cell::Cell;
 
 /// The arrangements that are planned at most, those included whose drafts are too slow.
@@ -189,12 +190,14 @@ impl Arranged<'_> {
             }
         }
         let mut all: Option<(Vec<Station>, Vec<Judged>)> = None;
+        let mut deepest: f64 = 0.0;
         for (operation, planned) in operations.iter().zip(&arrangement.operations) {
             let prepared = &tools[planned.tool].prepared;
             let height = settings.scallop_height.mm();
             let on = stations(workpiece, &prepared.profile, unseen, height, stop);
             let milled = Milled::new(&prepared.profile, &operation.path.plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
             let judged = judged(workpiece, &on, prepared, &operation.path.plan.family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
+            deepest = deepest.max(operation.figures.finish.gouge.mm()).max(deepest_cut(workpiece, &on, &judged, &milled));
             // A place counts as reached if an operation that machines it reaches it.
             let lift = |station: Station| {
                 let is_machined = workpiece.is_sloped(station.place.target, planned.slopes);
@@ -210,7 +213,7 @@ impl Arranged<'_> {
             });
         }
         let (on, judged) = all.ok_or(NoPlan::NoRuns)?;
-        let finish = FinishFigures::of(&on, &judged, settings.scallop_height.mm());
+        let finish = FinishFigures { gouge: Length::computed(deepest), ..FinishFigures::of(&on, &judged, settings.scallop_height.mm()) };
         Ok(OperationsPlan { operations, tool_changes: arrangement.tool_changes(), time: Time::computed(seconds), finish })
     }
 

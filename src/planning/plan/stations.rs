@@ -3,7 +3,7 @@
 use super::drawn_places::DrawnPlace;
 use super::workpiece::Workpiece;
 use crate::milling::Profile;
-use crate::path::{Place, Standing};
+use crate::path::Standing;
 use rayon::prelude::*;
 
 /// A place with the tip that finishes it.
@@ -31,9 +31,7 @@ pub(super) fn stations(
         if stop() {
             return None;
         }
-        let on_facet =
-            Place { point: place.point, normal: workpiece.targets[place.target].normal, facet: workpiece.facet_of(place.target) };
-        let Standing { axis, tip, lift } = Standing::at(&workpiece.drop, profile, &on_facet, tolerance);
+        let Standing { axis, tip, lift } = Standing::at(&workpiece.drop, profile, &place.on(workpiece), tolerance);
         Some(Station { place: *place, axis, tip, lift })
     };
     places.par_iter().with_min_len(64).filter_map(station).collect()

@@ -5,7 +5,7 @@ use super::referee::{Path, milled};
 use super::surfaces::{Facet, placed};
 use super::{mm, ranked_on, settings, workpiece};
 use scallopd::milling::{Cutter, Model};
-use scallopd::planning::plan::{CandidateCutter, Lines, OperationsPlan, PlanSettings, Ranking, passes, passes_of_all};
+use scallopd::planning::plan::{CandidateCutter, FinishFigures, Lines, OperationsPlan, PlanSettings, Ranking, passes, passes_of_all};
 
 fn pocket() -> Vec<Facet> {
     steps(&[0.0, 6.0, 26.0, 32.0], &[0.0, 6.0, 20.0, 26.0], &[&[5.0; 3], &[5.0, 0.0, 5.0], &[5.0; 3]])
@@ -97,7 +97,9 @@ fn a_rest_is_what_the_cutter_before_cannot_reach() {
         [passes(&part, &alone.plans[0], &several(1, 1.0), &|| false), passes(&part, &rest.plans[0], &rest_settings, &|| false)];
     let (first, second) = (first.unwrap(), second.unwrap());
     let paths = [Path { cutter: large, points: &first.points }, Path { cutter: small, points: &second.points }];
-    let verdict = milled(&facets, &paths, &whole.plans[0].milled.unwrap().finish);
+    let [of_alone, of_rest, of_whole] = [&alone, &rest, &whole].map(|ranking| ranking.plans[0].milled.unwrap().finish);
+    let deeper = if of_alone.gouge.mm() > of_rest.gouge.mm() { of_alone.gouge } else { of_rest.gouge };
+    let verdict = milled(&facets, &paths, &FinishFigures { gouge: deeper, ..of_whole });
     assert!(verdict.is_kept(), "{verdict}");
 }
 

@@ -1,6 +1,7 @@
 //! Parts as meshes: plates, steps, height fields, ribs, cones.
 
 use super::surfaces::{Facet, quadrilateral};
+use crate::simulation::random::Random;
 
 /// A function of x and y on a grid of square cells, `size` mm large.
 pub(crate) fn field(size: [f64; 2], cell: f64, z: impl Fn(f64, f64) -> f64) -> Vec<Facet> {
@@ -198,4 +199,22 @@ pub(crate) fn profile(points: &[[f64; 2]], width: f64) -> Vec<Facet> {
         quadrilateral([[x0, 0.0, z0], [x1, 0.0, z1], [x1, width, z1], [x0, width, z0]])
     };
     points.windows(2).flat_map(quad).collect()
+}
+
+/// A roof along y that falls by `grade` on both sides, with pyramids of random sizes on it whose points are along its normals.
+pub(crate) fn sharp_points_on_a_roof(grade: f64, count: usize) -> Vec<Facet> {
+    let on = |x: f64, y: f64| [x, y, -grade * x.abs()];
+    let mut facets = quadrilateral([on(0.0, -15.0), on(12.0, -15.0), on(12.0, 15.0), on(0.0, 15.0)]).to_vec();
+    facets.extend(quadrilateral([on(-12.0, -15.0), on(0.0, -15.0), on(0.0, 15.0), on(-12.0, 15.0)]));
+    let mut random = Random(2);
+    for _ in 0..count {
+        let side = if random.unit() < 0.5 { -1.0 } else { 1.0 };
+        let [x, y, half, height] =
+            [[2.0, 10.0], [-13.0, 13.0], [0.1, 0.8], [0.05, 0.6]].map(|[from, to]| from + (to - from) * random.unit());
+        let unit_rise = height / grade.hypot(1.0);
+        let point = [side * (x + grade * unit_rise), y, unit_rise - grade * x];
+        let corners = [[-half, -half], [half, -half], [half, half], [-half, half]].map(|[dx, dy]| on(side * x + dx, y + dy));
+        facets.extend([0, 1, 2, 3].map(|corner| [corners[corner], corners[(corner + 1) % 4], point]));
+    }
+    facets
 }

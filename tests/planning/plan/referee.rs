@@ -2,7 +2,8 @@
 //! edges and holes, for flat-end, toroidal and ball-end cutters.
 
 use super::parts::{
-    blade, cavity, cone_on_floor, dome_on_flange, field, fillet_wall, holes, plate, profile, relief, ring_groove, round_pocket, steps,
+    blade, cavity, cone_on_floor, dome_on_flange, field, fillet_wall, holes, plate, profile, relief, ring_groove, round_pocket,
+    sharp_points_on_a_roof, steps,
 };
 use super::surfaces::{Facet, cross, dot, minus, placed, unit};
 use super::{in_direction, mm, ranked_on, settings, workpiece};
@@ -140,10 +141,10 @@ impl fmt::Display for Verdict {
 
 impl Verdict {
     /// The promises: half a per cent of what the cutter reaches over 1.02 of the tolerance at most, no cut into the part
-    /// deeper than 4 um, and stated shares within a percentage point.
+    /// deeper than 2 um, or than stated by 0.2 um, and stated shares within a percentage point.
     pub(super) fn is_kept(&self) -> bool {
         self.over <= 0.005
-            && self.gouge.iter().all(|depth| *depth <= 4.0)
+            && self.gouge.iter().all(|depth| *depth <= 2.0 && *depth <= self.stated[2] + 0.2)
             && (self.over - self.stated[0]).abs() <= 0.01
             && (self.uncut - self.stated[1]).abs() <= 0.01
     }
@@ -284,6 +285,12 @@ fn keeps_the_tolerance(name: &str, facets: &[Facet], cutters: &[Cutter]) {
         }
     }
     assert!(broken.is_empty(), "{broken:#?}");
+}
+
+/// Sharp points are cut deepest, where lines pass between two places at which they are computed.
+#[test]
+fn a_steep_roof_with_sharp_points() {
+    keeps_the_tolerance("roof", &sharp_points_on_a_roof(1.2, 60), &[bull_nose(6.0, 0.1), ball(6.0), bull_nose(6.0, 1.0)]);
 }
 
 #[test]
