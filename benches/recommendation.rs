@@ -12,7 +12,8 @@
 
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
-use scallopd::planning::plan::{CandidateCutter, PlanSettings, Ranking, SurfaceEvidence, Workpiece, rank};
+use scallopd::planning::SurfaceEvidence;
+use scallopd::planning::plan::{CandidateCutter, PlanSettings, Ranking, Workpiece, rank};
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, Mesh, MeshBuilder, Sink, Unit};

@@ -68,7 +68,8 @@
 //! ```
 //! use scallopd::milling::Cutter;
 //! use scallopd::motion::{Machine, Preset};
-//! use scallopd::planning::plan::{CandidateCutter, PlanSettings, SurfaceEvidence, Workpiece, rank};
+//! use scallopd::planning::SurfaceEvidence;
+//! use scallopd::planning::plan::{CandidateCutter, PlanSettings, Workpiece, rank};
 //! use scallopd::quantity::{Angle, Length};
 //! use scallopd::surface::mesh::Selection;
 //! use scallopd::surface::{Facing, MeshBuilder, Unit};

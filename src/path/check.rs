@@ -85,6 +85,8 @@ pub struct PathLengths {
     pub rapid: f64,
     /// The time of all moves.
     pub time: Time,
+    /// The moves at the feed rate from stop to stop, on average: the control stops where they meet rapid moves. 0 without any.
+    pub moves_per_run: f64,
 }
 
 impl PathLengths {
@@ -104,6 +106,13 @@ impl PathLengths {
             to: each.to,
             feed_rate: (each.kind != MoveKind::Rapid).then_some(*feed),
         });
-        Self { cutting: of(false), rapid: of(true), time: machine.time_of(timed) }
+        let cuts = moves.iter().filter(|each| each.kind != MoveKind::Rapid).count();
+        let is_run = |of: &&[Move]| of.first().is_some_and(|first| first.kind != MoveKind::Rapid);
+        let goes_on =
+            |a: &Move, b: &Move| (a.kind == MoveKind::Rapid) == (b.kind == MoveKind::Rapid) && length(difference(b.from, a.to)) <= 0.0;
+        let runs = moves.chunk_by(goes_on).filter(is_run).count();
+        #[expect(clippy::cast_precision_loss, reason = "counts are below 2^52")]
+        let moves_per_run = cuts as f64 / runs.max(1) as f64;
+        Self { cutting: of(false), rapid: of(true), time: machine.time_of(timed), moves_per_run }
     }
 }

@@ -1,8 +1,7 @@
 //! The codes of the reasons that lower the confidence in a recommendation.
 
 use super::{codes, same_names};
-use crate::planning::plan::SurfaceWeakness;
-use crate::planning::{PathWeakness, Weakness};
+use crate::planning::{SurfaceWeakness, Weakness};
 
 codes! {
     /// The weakness, as a code for programs; docs/codes.md lists meanings and remedies.
@@ -43,12 +42,7 @@ codes! {
 same_names! {
     SurfaceWeakness => ConfidenceCode:
     NotMilled, AssumedFeed, SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, NotClosed, OverTolerance,
-    Gouge,
-}
-
-same_names! {
-    PathWeakness => ConfidenceCode:
-    HiddenArea, InconsistentOrientation, NotClosed, AssumedPathFeed, CornersNotTimed,
+    Gouge, AssumedPathFeed, CornersNotTimed,
 }
 
 same_names! {

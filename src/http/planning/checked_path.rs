@@ -3,7 +3,7 @@
 use super::confidence_answer::ConfidenceAnswer;
 use super::map::PathMapAnswer;
 use super::parameters::{DEFAULT_MAX_SLOPE, FACING, MAX_SLOPE, SELECT};
-use super::path_check_answer::{GougeAnswer, PathCheckAnswer, PlaceAnswer, PlaceCode, ResidualAnswer, StandardErrors};
+use super::path_check_answer::{GougeAnswer, PathCheckAnswer, PlaceAnswer, ResidualAnswer, StandardErrors};
 use super::path_cutters::{CuttersByNumber, PATH_CUTTER, PATH_CUTTERS, PathCutters};
 use super::path_feeds::PathMoves;
 use super::path_object::{PATH, StatedPath};
@@ -18,17 +18,12 @@ use crate::http::wire::{
 };
 use crate::milling::{Profile, ra_um};
 use crate::motion;
-use crate::numerics::vector::{difference, length};
 use crate::path::program::{Dialect, with_feeds};
-use crate::path::{
-    DropCutter, Finding, FindingKind, Finish, Left, Milled, Move, MoveKind, Passage, PathLengths, Place, Places, Reach, findings,
-    idle_length,
-};
-use crate::planning::machined_surface::{NoMachinedSurface, Stop, hidden_area_share, missing_area};
+use crate::path::{DropCutter, Finish, Left, Milled, Move, Passage, PathLengths, Place, Places, Reach, WithMarks, findings, idle_length};
+use crate::planning::machined_surface::{MachinedFacets, Stop};
 use crate::planning::{Confidence, PathEvidence};
 use crate::quantity::{Angle, Length};
-use crate::surface::mesh::FacetClass;
-use crate::surface::{Facing, Mesh, ReceivedSurface, Unit};
+use crate::surface::{Facing, ReceivedSurface, Unit};
 
 /// The places on the surface at which the path is looked at: a share of 1 % has a standard error of 0.05 %.
 pub(in crate::http) const PLACES: usize = 40_000;
@@ -93,17 +88,13 @@ members! {
 
 /// A path to check.
 pub(super) struct PathToCheck {
-    mesh: Mesh,
-    facets: Vec<u32>,
+    surface: MachinedFacets,
     cutters: PathCutters,
     tolerance: Length,
     machine: motion::Machine,
     path: StatedPath,
     include: Vec<PathPart>,
     old_feeds: bool,
-    hidden_area_share: f64,
-    turned_area_share: f64,
-    missing_area: f64,
     warnings: Vec<Warning>,
 }
 
@@ -150,41 +141,15 @@ impl PathToCheck {
         let shape = surface.surface.sampled.shape(unit, facing);
         let warnings = shape.map_or_else(|_| Vec::new(), |shape| surface.warnings(&shape));
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, .. } = surface;
-        let mut mesh = mesh.finish_until(unit, facing, &stop).map_err(|error| report(NoMachinedSurface::Mesh(error), &at, faults))?;
-        let pieces = mesh.pieces_until(&stop);
-        mesh.turn_solids_outwards(&pieces);
-        let selected = mesh.selected(&selection, &pieces);
-        let selected = selected.map_err(|error| report(NoMachinedSurface::Selection(error), &at, faults))?;
-        let visibility = mesh.visibility_until(max_slope, &stop);
-        let classes = visibility.classes().iter().zip(&selected).zip(0..);
-        let facets: Vec<u32> =
-            classes.filter(|((class, selected), _)| **selected && **class == FacetClass::Machined).map(|(_, facet)| facet).collect();
-        if facets.is_empty() {
-            return Err(report(NoMachinedSurface::NothingToMachine, &at, faults));
-        }
-        let hidden_area_share = hidden_area_share(&mesh, &visibility, &pieces, &selected);
-        let missing_area = missing_area(&pieces, &selected);
-        let from_behind = visibility.share_from_behind();
+        let surface = MachinedFacets::new(mesh, unit, facing, &selection, max_slope, &stop);
+        let surface = surface.map_err(|reason| report(reason, &at, faults))?;
         let ((cutters, mut path), machine, tolerance) = (path?, machine?, tolerance?.height);
         if tip? == Some(TipPoint::Centre) {
             for point in &mut path.program.points {
                 point.point[2] -= cutters.of_tool(point.tool).candidate.cutter.corner_radius().mm();
             }
         }
-        let check = Self {
-            mesh,
-            facets,
-            cutters,
-            tolerance,
-            machine,
-            path,
-            include,
-            old_feeds,
-            hidden_area_share,
-            turned_area_share: from_behind.min(1.0 - from_behind),
-            missing_area,
-            warnings,
-        };
+        let check = Self { surface, cutters, tolerance, machine, path, include, old_feeds, warnings };
         if (check.includes(PathPart::Feeds) || check.includes(PathPart::Program)) && !check.has_teeth() {
             let detail = "feeds need the cutter's teeth, and its spindle_speed_rpm or S words in the program";
             return Err(faults.add(&root.member(PATH_INCLUDE.name), RequestFault::ConflictingFields, detail));
@@ -206,75 +171,45 @@ impl PathToCheck {
     }
 
     /// The answer; `None` once `stop` returns true.
-    pub(super) fn answer(mut self, stop: Stop) -> Option<PathCheckAnswer> {
+    pub(super) fn answer(self, stop: Stop) -> Option<PathCheckAnswer> {
         let (moves, points) = self.path.program.moves();
-        let program = &self.path.program;
+        let path = self.moves(&moves, &points);
+        let lengths = PathLengths::new(&moves, &path.stated_rates(), &self.machine);
         let profiles: Vec<Profile> = self.cutters.cutters.iter().map(|cutter| cutter.candidate.cutter.profile()).collect();
+        let milled = Milled::by_several(&profiles, |at| path.cutter_of(at), &moves, stop)?;
+        let (mesh, machined): (_, Vec<u32>) = (&self.surface.mesh, self.surface.machined().collect());
         let tolerance = self.tolerance.mm();
-        let of_path = self.moves(&moves, &points);
-        let rates = of_path.stated_rates();
-        let lengths = PathLengths::new(&moves, &rates, &self.machine);
-        let milled = Milled::by_several(&profiles, |at| self.cutters.index(program.points[points[at]].tool), &moves, stop)?;
-        let drop = DropCutter::of_mesh(&self.mesh, stop);
-        let places = Places::draw(&self.mesh, &self.facets, PLACES, 1).seen_from_above(&drop);
+        let drop = DropCutter::of_mesh(mesh, stop);
+        let places = Places::draw(mesh, &machined, PLACES, 1).seen_from_above(&drop);
         let reach = Reach::new(&profiles, &drop, &places, tolerance);
-        let finish = Finish::new(&milled, &self.mesh, &places, &reach, tolerance, stop)?;
+        let finish = Finish::new(&milled, mesh, &places, &reach, tolerance, stop)?;
         let fewer: Vec<Place> = places.inside().iter().step_by(FEWER).copied().collect();
         let idle_length_mm = idle_length(&milled, &moves, &fewer, IDLE * tolerance, stop)?;
         let passage = Passage::new(&milled, &moves);
-        let with_marks = match of_path.stated_per_tooth() {
+        let with_marks = match path.stated_per_tooth() {
             Some(per_tooth) => Some(passage.with_marks(&fewer, &per_tooth, tolerance, HIGHEST_MARK * tolerance, stop)?),
             None => None,
         };
-        let marked: Vec<(Place, Left)> = with_marks
-            .iter()
-            .flat_map(|marks| {
-                let swept = finish.left.iter().step_by(FEWER);
-                fewer.iter().zip(&marks.left).zip(swept).filter_map(|((place, left), swept)| {
-                    let keeps = swept.is_some_and(|swept| swept.height <= tolerance);
-                    left.filter(|_| keeps).map(|left| (*place, left))
-                })
-            })
-            .collect();
         let largest = if self.includes(PathPart::Feeds) || self.includes(PathPart::Program) {
-            let places = Places::draw(&self.mesh, &self.facets, FEED_PLACES, 2).seen_from_above(&drop);
-            Some(of_path.largest(&passage, places.inside(), tolerance, stop)?)
+            let places = Places::draw(mesh, &machined, FEED_PLACES, 2).seen_from_above(&drop);
+            Some(path.largest(&passage, places.inside(), tolerance, stop)?)
         } else {
             None
         };
-        let new_program =
-            self.path.text.as_ref().filter(|_| self.includes(PathPart::Program)).zip(largest.as_ref()).map(|(text, largest)| {
-                let text = with_feeds(text, program, &of_path.rates_of_points(&largest.rates), self.old_feeds);
-                ProgramAnswer { text, dialect: word_of(program.dialect) }
-            });
-        let map = if self.includes(PathPart::Map) { Some(PathMapAnswer::new(&self.mesh, &self.facets, &milled, stop)?) } else { None };
-        let smallest = profiles.iter().map(Profile::outer_radius).fold(f64::INFINITY, f64::min);
-        let place = |finding: Finding| {
-            let nearest =
-                (finding.kind == FindingKind::OverTolerance).then(|| milled.nearest_at(finding.place.point, finding.place.normal));
-            let by = nearest.flatten().or(finding.left.map(|left| left.by)).map(|by| by as usize);
-            PlaceAnswer {
-                code: finding.kind.into(),
-                point_mm: finding.place.point,
-                value_mm: finding.left.map(|left| left.height),
-                r#move: by,
-                line: by.map(|by| program.points[points[by]].line).filter(|line| *line > 0),
-            }
-        };
-        let too_fast = |at: usize| PlaceAnswer {
-            code: PlaceCode::FeedOverLimit,
-            point_mm: moves[at].to,
-            value_mm: None,
-            r#move: Some(at),
-            line: Some(program.points[points[at]].line).filter(|line| *line > 0),
-        };
+        let map = if self.includes(PathPart::Map) { Some(PathMapAnswer::new(mesh, &machined, &milled, stop)?) } else { None };
         let found = self.includes(PathPart::Places).then(|| {
-            let over_limits = of_path.over_limits().into_iter().take(MOST_OVER_LIMITS).map(too_fast);
-            findings(&finish, &places, &marked, tolerance, smallest).into_iter().map(place).chain(over_limits).collect()
+            let marked = with_marks.as_ref().map_or_else(Vec::new, |marks| over_by_marks(&finish, &fewer, marks, tolerance));
+            let smallest = profiles.iter().map(Profile::outer_radius).fold(f64::INFINITY, f64::min);
+            let found = findings(&finish, &places, &marked, tolerance, smallest);
+            let over_limits = path.over_limits().into_iter().take(MOST_OVER_LIMITS).map(|at| PlaceAnswer::over_limit(at, &path));
+            found.iter().map(|finding| PlaceAnswer::of(finding, &milled, &path)).chain(over_limits).collect()
         });
-        let confidence = Confidence::in_path(&self.evidence(&moves, &points));
-        let includes_feeds = self.includes(PathPart::Feeds);
-        let warnings = std::mem::take(&mut self.warnings);
+        let confidence = Confidence::in_path(&PathEvidence {
+            surface: self.surface.evidence(),
+            tolerance: self.tolerance,
+            assumed_feed_share: path.assumed_feed_share(),
+            moves_without_corners: if self.machine.path_tolerance.is_some() { 0.0 } else { lengths.moves_per_run },
+        });
         Some(PathCheckAnswer {
             moves: moves.len(),
             cutting_length_mm: lengths.cutting,
@@ -292,39 +227,27 @@ impl PathToCheck {
             idle_length_mm,
             places: found,
             map,
-            feeds: largest.filter(|_| includes_feeds).map(|largest| largest.answer),
-            program: new_program,
+            program: largest.as_ref().and_then(|largest| self.program_with(&path.rates_of_points(&largest.rates))),
+            feeds: largest.filter(|_| self.includes(PathPart::Feeds)).map(|largest| largest.answer),
             confidence: ConfidenceAnswer::from(&confidence),
-            warnings,
+            warnings: self.warnings,
         })
     }
 
-    fn evidence(&self, moves: &[Move], points: &[usize]) -> PathEvidence {
-        let (mut whole, mut assumed, mut cuts, mut runs) = (0.0, 0.0, 0.0, 0.0_f64);
-        let mut last: Option<&Move> = None;
-        for (each, point) in moves.iter().zip(points) {
-            if each.kind != MoveKind::Rapid {
-                let step = length(difference(each.to, each.from));
-                whole += step;
-                assumed += if self.path.program.points[*point].feed_rate.is_none() { step } else { 0.0 };
-                cuts += 1.0;
-                runs += if last.is_some_and(|last| last.kind != MoveKind::Rapid && length(difference(each.from, last.to)) <= 0.0) {
-                    0.0
-                } else {
-                    1.0
-                };
-            }
-            last = Some(each);
-        }
-        PathEvidence {
-            hidden_area_share: self.hidden_area_share,
-            turned_area_share: self.turned_area_share,
-            missing_area: self.missing_area,
-            tolerance: self.tolerance,
-            assumed_feed_share: if whole > 0.0 { assumed / whole } else { 0.0 },
-            moves_without_corners: if self.machine.path_tolerance.is_some() { 0.0 } else { cuts / runs.max(1.0) },
-        }
+    /// The program with the feed rate of each point in mm/min, if it is wanted.
+    fn program_with(&self, rates: &[f64]) -> Option<ProgramAnswer> {
+        let text = self.path.text.as_ref().filter(|_| self.includes(PathPart::Program))?;
+        let text = with_feeds(text, &self.path.program, rates, self.old_feeds);
+        Some(ProgramAnswer { text, dialect: word_of(self.path.program.dialect) })
     }
+}
+
+/// Of some of the places of `finish`, those where the moves themselves keep the tolerance, with what tooth marks leave.
+fn over_by_marks(finish: &Finish, fewer: &[Place], marks: &WithMarks, tolerance: f64) -> Vec<(Place, Left)> {
+    let keeps = |swept: &Option<Left>| swept.is_some_and(|swept| swept.height <= tolerance);
+    let swept = finish.left.iter().step_by(FEWER);
+    let kept = fewer.iter().zip(&marks.left).zip(swept).filter(|(_, swept)| keeps(swept));
+    kept.filter_map(|((place, left), _)| left.map(|left| (*place, left))).collect()
 }
 
 fn word_of(dialect: Dialect) -> &'static str {

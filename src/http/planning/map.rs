@@ -156,7 +156,7 @@ impl<'a> MapCells<'a> {
             cell_mm: view.frame.cell,
             origin_mm: view.frame.origin,
             z_mm: view.heights.iter().map(|&z| z.is_finite().then_some(z)).collect(),
-            slope_deg: view.of_facets(|facet| slope_deg(&machined.mesh, facet)).values,
+            slope_deg: view.of_facets(|facet| slope_deg(&machined.facets.mesh, facet)).values,
             scallop_height_mm: scallops,
             uncut_mm: uncut,
         })

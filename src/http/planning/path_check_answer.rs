@@ -2,10 +2,10 @@
 
 use super::confidence_answer::ConfidenceAnswer;
 use super::map::PathMapAnswer;
-use super::path_feeds::FeedsAnswer;
+use super::path_feeds::{FeedsAnswer, PathMoves};
 use super::program::ProgramAnswer;
 use crate::http::wire::{Warning, answer};
-use crate::path::{FindingKind, Finish, Residual};
+use crate::path::{Finding, FindingKind, Finish, Milled, Residual};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -139,5 +139,25 @@ impl From<FindingKind> for PlaceCode {
             FindingKind::FeedTooHigh => Self::FeedTooHigh,
             FindingKind::Uncut => Self::Uncut,
         }
+    }
+}
+
+impl PlaceAnswer {
+    pub(super) fn of(finding: &Finding, milled: &Milled, path: &PathMoves<'_>) -> Self {
+        let Finding { kind, place, left } = finding;
+        let nearest = if *kind == FindingKind::OverTolerance { milled.nearest_at(place.point, place.normal) } else { None };
+        let by = nearest.or(left.map(|left| left.by)).map(|by| by as usize);
+        Self {
+            code: (*kind).into(),
+            point_mm: place.point,
+            value_mm: left.map(|left| left.height),
+            r#move: by,
+            line: by.and_then(|by| path.line_of(by)),
+        }
+    }
+
+    /// The end of a move with a feed rate over a limit.
+    pub(super) fn over_limit(at: usize, path: &PathMoves<'_>) -> Self {
+        Self { code: PlaceCode::FeedOverLimit, point_mm: path.moves[at].to, value_mm: None, r#move: Some(at), line: path.line_of(at) }
     }
 }

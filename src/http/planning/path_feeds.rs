@@ -3,6 +3,7 @@
 use super::path_cutters::PathCutters;
 use crate::http::wire::answer;
 use crate::motion::Machine;
+use crate::numerics::vector::{difference, length};
 use crate::path::program::{Program, ProgramPoint};
 use crate::path::{LargestFeeds, Move, MoveKind, Passage, PathLengths, Place, smooth};
 use crate::planning::machined_surface::Stop;
@@ -52,6 +53,16 @@ impl PathMoves<'_> {
         &self.program.points[self.points[at]]
     }
 
+    /// The index of the cutter of a move.
+    pub(super) fn cutter_of(&self, at: usize) -> usize {
+        self.cutters.index(self.point_of(at).tool)
+    }
+
+    /// The line of the program that states a move; `None` for points.
+    pub(super) fn line_of(&self, at: usize) -> Option<u32> {
+        Some(self.point_of(at).line).filter(|line| *line > 0)
+    }
+
     /// The teeth that pass in a second; `None` if teeth or spindle speed is not known.
     pub(super) fn teeth_per_second(&self, at: usize) -> Option<f64> {
         let point = self.point_of(at);
@@ -70,6 +81,15 @@ impl PathMoves<'_> {
             stated.map_or(most, |stated| if stated < most { stated } else { most })
         };
         (0..self.moves.len()).map(rate).collect()
+    }
+
+    /// The share of the length of the moves at the feed rate for which the path states no feed rate.
+    pub(super) fn assumed_feed_share(&self) -> f64 {
+        let length = |wanted: &dyn Fn(usize) -> bool| -> f64 {
+            let moves = self.moves.iter().enumerate().filter(|(at, each)| each.kind != MoveKind::Rapid && wanted(*at));
+            moves.map(|(_, each)| length(difference(each.to, each.from))).sum()
+        };
+        length(&|at| self.point_of(at).feed_rate.is_none()) / length(&|_| true).max(f64::MIN_POSITIVE)
     }
 
     /// The stated feed per tooth of each move in mm; `None` if one is not known. Those of rapids do not count.

@@ -17,7 +17,7 @@ use crate::http::reading::{Faulted, Faults, JsonPath};
 use crate::http::wire::{MODEL, NamedCandidate, NotRanked, Source, SurfaceWithSource, Warning};
 use crate::milling::{Cutter, CutterKind, Model};
 use crate::motion::Machine;
-use crate::planning::machined_surface::{MachinedSurface, Stop};
+use crate::planning::machined_surface::{MachinedFacets, MachinedSurface, Stop};
 use crate::planning::plan::{CandidatePlan, NotRankedReason, OperationsPlan, Pattern, PlanSettings, estimated_times};
 use crate::planning::{Confidence, CutterComparison, Evidence, Plan, Recommendation, RectanglePlan, plan_on_rectangle, recommend};
 use crate::quantity::{Angle, Length, OutOfRange, Time};
@@ -65,7 +65,8 @@ impl Task {
         let avoid = parameters.avoid.take();
         let avoid = avoid.map(|avoid| avoid.unit_of(parameters.unit, faults).map(|unit| (avoid.surface.mesh, unit))).transpose()?;
         let Parameters { facing, ref selection, max_slope, method, .. } = parameters;
-        let machined = match MachinedSurface::new(mesh, unit, facing, selection, max_slope, avoid, stop) {
+        let facets = MachinedFacets::new(mesh, unit, facing, selection, max_slope, stop);
+        let machined = match facets.and_then(|facets| MachinedSurface::new(facets, avoid, stop)) {
             Ok(machined) => Some(machined),
             // Without facets, method `rectangle` has an answer, but with less evidence.
             Err(reason) if method == Method::Rectangle && reason.is_sound() => None,
@@ -76,10 +77,10 @@ impl Task {
         }
         // The passes are those of the selected facets.
         let shape = match machined.as_ref().filter(|_| *selection != Selection::all()) {
-            Some(machined) => machined.selected_shape(facing).map_err(|error| faults.add(path, shape_code(error), error))?,
+            Some(machined) => machined.facets.selected_shape(facing).map_err(|error| faults.add(path, shape_code(error), error))?,
             None => shape,
         };
-        if let Some(cell) = machined.as_ref().and_then(|machined| machined.mesh.merged_cell()) {
+        if let Some(cell) = machined.as_ref().and_then(|machined| machined.facets.mesh.merged_cell()) {
             let detail = format!(
                 "the surface has more facets or points than the service stores; it was merged on a raster with cells of {cell:.6} mm"
             );
@@ -238,7 +239,7 @@ impl Task {
             return (&confidence).into();
         };
         let figures = machined.workpiece.figures();
-        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: machined.machined_pieces };
+        let evidence = Evidence { mean_slope: figures.mean_slope, area: figures.area, pieces: machined.facets.machined_pieces() };
         let simulated = |candidate: &RankedCandidate| {
             let place = compared.iter().position(|&cutter| cutter == candidate.cutter)?;
             Some((candidate.time(), on_surface[place]?))

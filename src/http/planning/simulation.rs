@@ -44,7 +44,7 @@ impl Simulation {
     ) -> Option<Self> {
         let settings = parameters.settings(shape, model);
         let candidates: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate).collect();
-        let ranking = rank(&machined.workpiece, &candidates, &settings, machined.evidence(), stop)?;
+        let ranking = rank(&machined.workpiece, &candidates, &settings, machined.facets.evidence(), stop)?;
         Some(Self { settings, ranking })
     }
 }

@@ -48,13 +48,13 @@ answer! {
         /// The box around the points or facets from which the shape was computed.
         bounds_mm: BoundsAnswer = BoundsAnswer { min: shape.bounds.min, max: shape.bounds.max },
         /// The area. Absent in method rectangle for points that span no facets.
-        area_mm2?: f64 [minimum = 0] = shape.area.map(Area::mm2).or(machined.map(|machined| machined.visibility.area())),
+        area_mm2?: f64 [minimum = 0] = shape.area.map(Area::mm2).or(machined.map(|machined| machined.facets.visibility.area())),
         /// The share of the area of all facets that is seen from above.
-        visible_area_share?: f64 [minimum = 0, maximum = 1] = machined.map(MachinedSurface::visible_area_share),
+        visible_area_share?: f64 [minimum = 0, maximum = 1] = machined.map(|machined| machined.facets.visible_area_share()),
         /// The share of the area of all facets that is seen from above and steeper than `max_slope_deg`, walls included.
-        steep_area_share?: f64 [minimum = 0, maximum = 1] = machined.map(|machined| machined.visibility.shares().steep),
+        steep_area_share?: f64 [minimum = 0, maximum = 1] = machined.map(|machined| machined.facets.visibility.shares().steep),
         /// The number of connected pieces of the surface.
-        pieces?: u32 [minimum = 1] = machined.map(|machined| machined.pieces),
+        pieces?: u32 [minimum = 1] = machined.map(|machined| machined.facets.pieces.count()),
     }
 
     /// A box with sides along the axes.
@@ -74,6 +74,6 @@ fn mean_slope(shape: &Shape, machined: Option<&MachinedSurface>) -> Option<Angle
 
 /// The number of facets from which the shape was computed or, without such, of those that were made of the points.
 fn facets(shape: &Shape, machined: Option<&MachinedSurface>) -> u64 {
-    let made = machined.map_or(0, |machined| machined.mesh.triangles().len() as u64);
+    let made = machined.map_or(0, |machined| machined.facets.mesh.triangles().len() as u64);
     if shape.basis == Basis::Points || shape.elements == 0 { made } else { shape.elements }
 }

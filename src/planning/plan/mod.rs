@@ -40,7 +40,6 @@ mod stations;
 mod tangent;
 mod tour;
 mod travel;
-mod weakness;
 mod workpiece;
 
 pub(in crate::planning) use candidate::FeedRange;
@@ -54,5 +53,4 @@ pub use ranking::{NotRankedReason, Ranking, UnrankedCandidate, estimated_times, 
 pub use settings::{Directions, Pattern, PlanSettings};
 pub use tour::TourFigures;
 pub use travel::APPROACH_HEIGHT;
-pub use weakness::{SurfaceEvidence, SurfaceWeakness};
 pub use workpiece::{SurfaceFigures, Workpiece};

@@ -14,7 +14,8 @@ mod surfaces;
 
 use scallopd::milling::{Cutter, Model};
 use scallopd::motion::{Machine, Preset};
-use scallopd::planning::plan::{CandidateCutter, Directions, Drive, PlanSettings, Ranking, SurfaceEvidence, Workpiece, rank};
+use scallopd::planning::SurfaceEvidence;
+use scallopd::planning::plan::{CandidateCutter, Directions, Drive, PlanSettings, Ranking, Workpiece, rank};
 use scallopd::quantity::{Angle, Length, SpindleSpeed};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, Mesh, MeshBuilder, Sink, Unit};

@@ -4,10 +4,8 @@ use super::parts::steps;
 use super::surfaces::{Facet, Height, facets, placed, published, quadrilateral};
 use super::{drive, in_direction, mm, published_cutters, ranked, settings, workpiece};
 use scallopd::milling::{Cutter, Model};
-use scallopd::planning::Level;
-use scallopd::planning::plan::{
-    CandidateCutter, CandidatePlan, MilledFigures, NotRankedReason, Pattern, PlanSettings, SurfaceEvidence, SurfaceWeakness, rank,
-};
+use scallopd::planning::plan::{CandidateCutter, CandidatePlan, MilledFigures, NotRankedReason, Pattern, PlanSettings, rank};
+use scallopd::planning::{Level, SurfaceEvidence, SurfaceWeakness};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn milled(plan: &CandidatePlan) -> MilledFigures {

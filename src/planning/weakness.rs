@@ -1,9 +1,9 @@
-//! The confidence in the ranking of simulated plans, and the reasons that lower it.
+//! The reasons that lower the confidence in plans that are milled, and in checks of paths.
 
-use crate::planning::Reason;
+use super::confidence::Reason;
 use std::fmt;
 
-/// Properties of the mesh that cannot be derived from the planned facets.
+/// Properties of a mesh that cannot be derived from the facets that are machined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceEvidence {
     /// The share of the area to machine that is hidden from above or overhangs, 0 to 1, without the undersides of closed
@@ -24,7 +24,7 @@ impl Default for SurfaceEvidence {
     }
 }
 
-/// A weakness of the ranking of simulated plans.
+/// A weakness of plans that are milled, or of the check of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SurfaceWeakness {
@@ -44,14 +44,15 @@ pub enum SurfaceWeakness {
     CoarseTessellation,
     /// A part of the area is steeper than the largest slope and sets no spacing. Figure: its share.
     SteepArea,
-    /// A part of the area is hidden from above and is not machined. Figure: its share.
+    /// A part of the selected area is hidden from above and left out. Figure: its share.
     HiddenArea,
     /// The surface has several pieces; finished one by one, they would need fewer links. Figure: their number.
     SeveralPieces,
     /// Some facets have the opposite orientation, so that the mesh does not show on which side the part is. Figure:
     /// their share of the area.
     InconsistentOrientation,
-    /// A solid lacks facets, or some are turned. Into a hole the cutter goes as far as it fits. Figure: their area in mm^2.
+    /// A solid lacks facets, or some are turned. Into a hole the cutter may go, and what it leaves there does not count. Figure: their
+    /// area in mm^2.
     NotClosed,
     /// The recommended plan leaves more than half a per cent of the area, of what the cutter can reach, higher than 1.02 of
     /// the scallop height. Figure: that share.
@@ -59,6 +60,10 @@ pub enum SurfaceWeakness {
     /// The recommended plan cuts into the part deeper than two fifths of the scallop height. Figure: the depth over the
     /// scallop height.
     Gouge,
+    /// A part of the path has no feed rate and is timed at the machine's. Figure: its share of the length.
+    AssumedPathFeed,
+    /// The machine has no path tolerance: corners between stops take no time. Figure: the moves from stop to stop.
+    CornersNotTimed,
 }
 
 impl fmt::Display for Reason<SurfaceWeakness> {
@@ -88,7 +93,7 @@ impl fmt::Display for Reason<SurfaceWeakness> {
             SurfaceWeakness::SteepArea => write!(f, "{:.2} % of the area is too steep to set a spacing", 100.0 * figure),
             SurfaceWeakness::HiddenArea => write!(
                 f,
-                "{:.2} % of the selected area, without the undersides of solids, is hidden from above and not machined",
+                "{:.2} % of the selected area, without the undersides of solids, is hidden from above and left out",
                 100.0 * figure
             ),
             SurfaceWeakness::SeveralPieces => {
@@ -103,7 +108,7 @@ impl fmt::Display for Reason<SurfaceWeakness> {
             }
             SurfaceWeakness::NotClosed => write!(
                 f,
-                "the solid is not closed: facets of {figure:.4} mm^2 are missing or turned, and the cutter goes into a hole as far as it fits"
+                "the solid is not closed: facets of {figure:.4} mm^2 are missing or turned; the cutter may go into the hole, and what it leaves there does not count"
             ),
             SurfaceWeakness::OverTolerance => {
                 write!(
@@ -113,6 +118,13 @@ impl fmt::Display for Reason<SurfaceWeakness> {
                 )
             }
             SurfaceWeakness::Gouge => write!(f, "the path cuts {figure:.2} times the scallop height deep into the part, over {threshold}"),
+            SurfaceWeakness::AssumedPathFeed => {
+                write!(f, "{:.2} % of the length has no feed rate and is timed at the machine's", 100.0 * figure)
+            }
+            SurfaceWeakness::CornersNotTimed => write!(
+                f,
+                "{figure:.0} moves from stop to stop on average, between which the control slows down in no corner; state path_tolerance_mm of the machine"
+            ),
         }
     }
 }
