@@ -1,7 +1,7 @@
 //! The OpenAPI document: the descriptions of all routes with their examples, and what no single route describes.
 
 use super::routes::Routes;
-use super::{examples, problem};
+use super::{examples, problem_schemas};
 use serde_json::Value;
 use utoipa::openapi::{Components, Contact, InfoBuilder, License, OpenApi, OpenApiBuilder, ServerBuilder, Tag};
 
@@ -45,7 +45,7 @@ fn outline() -> OpenApi {
         .license(Some(License::builder().name("MIT OR Apache-2.0").identifier(Some("MIT OR Apache-2.0")).build()))
         .build();
     let tag = |name: &str, about: &str| Tag::builder().name(name).description(Some(about)).build();
-    let components = problem::schemas().into_iter().fold(Components::builder(), |all, (name, schema)| all.schema(name, schema));
+    let components = problem_schemas::schemas().into_iter().fold(Components::builder(), |all, (name, schema)| all.schema(name, schema));
     OpenApiBuilder::new()
         .info(info)
         // No operation needs credentials.

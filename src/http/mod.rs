@@ -18,6 +18,7 @@ pub mod overload;
 mod pages;
 mod planning;
 mod problem;
+mod problem_schemas;
 mod query;
 pub mod readiness;
 mod reading;

@@ -3,7 +3,7 @@
 
 use super::{Calculation, batch, single};
 use crate::http::app_state::AppState;
-use crate::http::problem::{Problems, QueryProblems, pascal_case};
+use crate::http::problem_schemas::{Problems, QueryProblems, pascal_case};
 use crate::http::query::Query;
 use crate::http::reading::Components;
 use crate::http::routes::{RouteClass, Routes};
