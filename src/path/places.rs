@@ -27,7 +27,7 @@ pub struct Place {
 }
 
 /// Places on facets of a mesh: one at random in each of many parts of equal area, in an order in which neighbours are
-/// close to each other, and some on the facets' edges.
+/// close to each other, and, if wanted, some on corners and edges.
 #[derive(Debug, Clone)]
 pub struct Places {
     pub(super) inside: Vec<Place>,
@@ -36,29 +36,28 @@ pub struct Places {
 }
 
 impl Places {
-    /// Draws `count` places on the facets, which are indices of the mesh, and a quarter as many on their edges. The same
-    /// arguments give the same places. Facets without area get none; without any area there are no places.
+    /// Draws `count` places on the facets, which are indices of the mesh. The same arguments give the same places. Facets without area get none; without any area there are no places.
     #[must_use]
     pub fn draw(mesh: &Mesh, facets: &[u32], count: usize, seed: u64) -> Self {
         let facets = in_local_order(mesh, facets);
         let corners = |facet: u32| mesh.corners(facet as usize);
         let mut random = Random::new(seed);
         let area = |facet: u32| mesh.normal_and_area(facet as usize).1;
-        let perimeter = |facet: u32| {
-            let [a, b, c] = corners(facet);
-            length(difference(b, a)) + length(difference(c, b)) + length(difference(a, c))
-        };
         let mut inside = Vec::with_capacity(count);
         let total = strata(&facets, area, count, &mut random, |facet, share, parts, random| {
             inside.push(place(mesh, facet, inside_facet(corners(facet), share, parts, random)));
         });
-        let mut on_edges = Vec::with_capacity(count / 4);
-        strata(&facets, perimeter, count / 4, &mut random, |facet, share, _, _| {
-            if area(facet) > 0.0 {
-                on_edges.push(place(mesh, facet, on_border(corners(facet), share)));
-            }
-        });
-        Self { inside, on_edges, area: total }
+        Self { inside, on_edges: Vec::new(), area: total }
+    }
+
+    /// With about `count` places on the corners and edges of the facets, which have no area, for cuts into the part.
+    #[must_use]
+    pub fn with_edges(self, mesh: &Mesh, facets: &[u32], count: usize) -> Self {
+        let edged = |facet: &u32| {
+            let (normal, area) = mesh.normal_and_area(*facet as usize);
+            (area > 0.0).then(|| EdgedFacet { facet: *facet, corners: mesh.corners(*facet as usize), normal })
+        };
+        Self { on_edges: places_on_edges(facets.iter().filter_map(edged), count), ..self }
     }
 
     /// Those of the places that are seen from above.
@@ -145,16 +144,35 @@ fn inside_facet(corners: [[f64; 3]; 3], share: f64, parts: f64, random: &mut Ran
     mixed(a, mixed(b, c, random.unit()), root)
 }
 
-fn on_border([a, b, c]: [[f64; 3]; 3], share: f64) -> [f64; 3] {
-    let lengths = [length(difference(b, a)), length(difference(c, b)), length(difference(a, c))];
-    let mut at = share * lengths.iter().sum::<f64>();
-    for (length, (from, to)) in lengths.into_iter().zip([(a, b), (b, c), (c, a)]) {
-        if at <= length && length > 0.0 {
-            return mixed(from, to, at / length);
-        }
-        at -= length;
+/// A facet on whose edges places are wanted.
+#[derive(Debug, Clone, Copy)]
+pub struct EdgedFacet {
+    /// The index of the facet in its mesh.
+    pub facet: u32,
+    /// Its corners in mm.
+    pub corners: [[f64; 3]; 3],
+    /// Its unit normal, out of the part.
+    pub normal: [f64; 3],
+}
+
+/// About `count` places on edges: corners of the facets, evenly of all if they are many, and else places between them as well.
+/// Sharp points and edges are cut deepest, and few random places are near them.
+#[must_use]
+pub fn places_on_edges(facets: impl Iterator<Item = EdgedFacet> + Clone, count: usize) -> Vec<Place> {
+    let edges = facets.clone().flat_map(|EdgedFacet { facet, corners, normal }| {
+        [0, 1, 2].map(|first| (Place { point: corners[first], normal, facet }, corners[(first + 1) % 3]))
+    });
+    let step = (3 * facets.count()).div_ceil(count).max(1);
+    let mut places: Vec<Place> = edges.clone().map(|(corner, _)| corner).step_by(step).collect();
+    let whole: f64 = edges.clone().map(|(from, to)| length(difference(to, from.point))).sum();
+    let per_mm = count.saturating_sub(places.len()) as f64 / whole;
+    for (from, to) in edges {
+        let between = (per_mm * length(difference(to, from.point))).floor();
+        // The neighbour's edge runs the other way: its places are half-way between these.
+        let shares = (1..=between as u32).map(|index| (f64::from(index) - 0.25) / between);
+        places.extend(shares.map(|share| Place { point: mixed(from.point, to, share), ..from }));
     }
-    a
+    places
 }
 
 /// The facets along a Z-order curve of the plan view.

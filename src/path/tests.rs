@@ -294,7 +294,7 @@ fn the_finish_of_a_stepped_plate_is_that_of_its_geometry() {
         }
     }
     let milled = milled(&Profile::torus(radius, radius), &moves);
-    let places = Places::draw(&mesh, &level_facets(&mesh), 40_000, 1);
+    let places = Places::draw(&mesh, &level_facets(&mesh), 40_000, 1).with_edges(&mesh, &level_facets(&mesh), 10_000);
     assert_relative_eq!(places.area(), 900.0, epsilon = 1e-9);
     let drop = DropCutter::of_mesh(&mesh, &|| false);
     let tolerance = 0.011;
@@ -326,7 +326,7 @@ fn the_deepest_gouge_is_at_the_edge_that_a_chord_cuts_off() {
     moves.push(cut(Vector3::new(16.0, 10.3, 3.95), Vector3::new(9.0, 10.3, 3.6)));
     let profile = Profile::torus(3.0, 3.0);
     let milled = milled(&profile, &moves);
-    let places = Places::draw(&mesh, &level_facets(&mesh), 2000, 3);
+    let places = Places::draw(&mesh, &level_facets(&mesh), 2000, 3).with_edges(&mesh, &level_facets(&mesh), 500);
     let drop = DropCutter::of_mesh(&mesh, &|| false);
     let profiles = [profile];
     let reach = Reach::new(&profiles, &drop, &places, 0.01);
@@ -339,9 +339,36 @@ fn the_deepest_gouge_is_at_the_edge_that_a_chord_cuts_off() {
 }
 
 #[test]
+fn the_deepest_gouge_is_at_the_point_of_a_small_pyramid_that_a_pass_cuts_off() {
+    let corner = |x: f64, y: f64| [15.0 + x, 15.0 + y, 0.0];
+    let mut builder = MeshBuilder::new();
+    let (outer, inner) =
+        ([[-15.0, -15.0], [15.0, -15.0], [15.0, 15.0], [-15.0, 15.0]], [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]]);
+    let points: Vec<[f64; 3]> = outer.into_iter().chain(inner).map(|[x, y]| corner(x, y)).chain([[15.0, 15.0, 0.2]]).collect();
+    let sides = (0..4).flat_map(|side| {
+        let next = (side + 1) % 4;
+        [[side, next, 4 + next], [side, 4 + next, 4 + side], [4 + side, 4 + next, 8]]
+    });
+    builder.indexed(&points, &sides.collect::<Vec<[u64; 3]>>()).unwrap();
+    let mesh = builder.finish(Unit::Millimetre, Facing::Up).unwrap();
+    let profile = Profile::torus(3.0, 1.0);
+    let milled = milled(&profile, &[cut(Vector3::new(0.0, 15.3, 0.198), Vector3::new(30.0, 15.3, 0.198))]);
+    let facets: Vec<u32> = (0..12).collect();
+    let places = Places::draw(&mesh, &facets, 1000, 1).with_edges(&mesh, &facets, 100);
+    let drop = DropCutter::of_mesh(&mesh, &|| false);
+    let profiles = [profile];
+    let finish = Finish::new(&milled, &mesh, &places, &Reach::new(&profiles, &drop, &places, 0.01), 0.01, &|| false).unwrap();
+    let gouge = finish.gouge.unwrap();
+    // None of the random places is on the pyramid.
+    assert!(places.inside().iter().all(|place| place.point[2] <= 0.0));
+    assert_relative_eq!(gouge.place.point[2], 0.2);
+    assert_relative_eq!(gouge.left.height, -0.002, epsilon = 1e-9);
+}
+
+#[test]
 fn a_stopped_computation_has_no_result() {
     let mesh = step_in_a_plate();
-    let places = Places::draw(&mesh, &level_facets(&mesh), 1000, 3);
+    let places = Places::draw(&mesh, &level_facets(&mesh), 1000, 3).with_edges(&mesh, &level_facets(&mesh), 500);
     let drop = DropCutter::of_mesh(&mesh, &|| false);
     let profile = Profile::torus(3.0, 3.0);
     let profiles = [profile];

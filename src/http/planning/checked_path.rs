@@ -28,6 +28,9 @@ use crate::surface::{Facing, ReceivedSurface, Unit};
 /// The places on the surface at which the path is looked at: a share of 1 % has a standard error of 0.05 %.
 pub(in crate::http) const PLACES: usize = 40_000;
 
+/// About how many corners and places on edges are looked at for cuts into the part.
+const ON_EDGES: usize = 20_000;
+
 /// One of so many places is looked at for tooth marks and for moves that cut nothing, which takes longer.
 const FEWER: usize = 10;
 
@@ -180,7 +183,7 @@ impl PathToCheck {
         let (mesh, machined): (_, Vec<u32>) = (&self.surface.mesh, self.surface.machined().collect());
         let tolerance = self.tolerance.mm();
         let drop = DropCutter::of_mesh(mesh, stop);
-        let places = Places::draw(mesh, &machined, PLACES, 1).seen_from_above(&drop);
+        let places = Places::draw(mesh, &machined, PLACES, 1).with_edges(mesh, &machined, ON_EDGES).seen_from_above(&drop);
         let reach = Reach::new(&profiles, &drop, &places, tolerance);
         let finish = Finish::new(&milled, mesh, &places, &reach, tolerance, stop)?;
         let fewer: Vec<Place> = places.inside().iter().step_by(FEWER).copied().collect();
