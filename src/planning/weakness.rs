@@ -60,6 +60,9 @@ pub enum SurfaceWeakness {
     /// The recommended plan cuts into the part deeper than two fifths of the scallop height. Figure: the depth over the
     /// scallop height.
     Gouge,
+    /// The times of the recommended plan slow down in no corner, and its runs have sharp ones. Figure: its time on a control that stops
+    /// in corners of more than 45 deg over the stated one.
+    SharpCorners,
     /// A part of the path has no feed rate and is timed at the machine's. Figure: its share of the length.
     AssumedPathFeed,
     /// The machine has no path tolerance: corners between stops take no time. Figure: the moves from stop to stop.
@@ -118,6 +121,10 @@ impl fmt::Display for Reason<SurfaceWeakness> {
                 )
             }
             SurfaceWeakness::Gouge => write!(f, "the path cuts {figure:.2} times the scallop height deep into the part, over {threshold}"),
+            SurfaceWeakness::SharpCorners => write!(
+                f,
+                "on a control that stops in corners of more than 45 deg the plan takes {figure:.2} times as long; state path_tolerance_mm of the machine"
+            ),
             SurfaceWeakness::AssumedPathFeed => {
                 write!(f, "{:.2} % of the length has no feed rate and is timed at the machine's", 100.0 * figure)
             }

@@ -242,7 +242,7 @@ pub fn rank(
     plans.sort_by(in_order);
     not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
     let surface = workpiece.figures();
-    let confidence = Confidence::of(&plans, candidates, &surface, settings.scallop_height, evidence);
+    let confidence = Confidence::of(&plans, candidates, &surface, settings, evidence);
     let single = plans.first().filter(|_| rest_of.is_none());
     let operations = single.and_then(|single| operations(workpiece, candidates, settings, single, stop));
     if stop() {
@@ -458,10 +458,11 @@ impl Confidence<SurfaceWeakness> {
         plans: &[CandidatePlan],
         candidates: &[CandidateCutter],
         surface: &SurfaceFigures,
-        scallop_height: Length,
+        settings: &PlanSettings,
         evidence: SurfaceEvidence,
     ) -> Option<Self> {
         let best = plans.first()?;
+        let PlanSettings { scallop_height, machine, .. } = settings;
         let mut reasons = Vec::new();
         let is_stated = |plan: &CandidatePlan| candidates[plan.candidate].drive.is_some();
         // The machine's feed rate is the largest of all: a cutter that is slower with it is slower with any.
@@ -485,11 +486,15 @@ impl Confidence<SurfaceWeakness> {
             reasons.extend(Reason::over(SurfaceWeakness::OverTolerance, milled.finish.far_over_share, KEPT, 0.1));
             reasons.extend(Reason::over(SurfaceWeakness::Gouge, milled.finish.gouge.mm() / scallop_height.mm(), 0.4, 4.0));
         }
+        if let Some(path) = best.path.as_ref().filter(|_| machine.path_tolerance.is_none()) {
+            let longer = path.plan.tour.seconds_with_stops(machine) / best.time.seconds();
+            reasons.extend(Reason::over(SurfaceWeakness::SharpCorners, longer, 1.1, f64::INFINITY));
+        }
         reasons.extend(Reason::over(SurfaceWeakness::SteepArea, surface.steep_area_share, 0.02, 0.2));
         reasons.extend(Reason::over(SurfaceWeakness::HiddenArea, evidence.hidden_area_share, 0.02, 0.2));
         reasons.extend(Reason::over(SurfaceWeakness::SeveralPieces, pieces, 1.0, f64::INFINITY));
         reasons.extend(Reason::over(SurfaceWeakness::InconsistentOrientation, evidence.turned_area_share, 0.002, 0.2));
-        reasons.extend(Reason::missing_area(SurfaceWeakness::NotClosed, evidence.missing_area, scallop_height));
+        reasons.extend(Reason::missing_area(SurfaceWeakness::NotClosed, evidence.missing_area, *scallop_height));
         Some(Self::from_reasons(reasons))
     }
 }

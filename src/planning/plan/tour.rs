@@ -7,7 +7,7 @@ use super::runs::{Run, RunTip};
 use super::settings::PlanSettings;
 use super::travel;
 use super::workpiece::Workpiece;
-use crate::motion::TimedMove;
+use crate::motion::{Machine, TimedMove};
 use crate::path::{Move, MoveKind};
 use crate::quantity::Speed;
 use rayon::prelude::*;
@@ -75,7 +75,12 @@ impl Tour {
         tour
     }
 
-    /// The moves with their feed rates, for a control that looks ahead.
+    /// The time in s on a control without path tolerance that also stops in corners of more than 45 deg.
+    pub(super) fn seconds_with_stops(&self, machine: &Machine) -> f64 {
+        machine.time_of(self.timed_moves()).seconds()
+    }
+
+    /// The moves with their feed rates.
     fn timed_moves(&self) -> impl Iterator<Item = TimedMove> {
         self.points.windows(2).map(|pair| TimedMove {
             from: pair[0].tip,

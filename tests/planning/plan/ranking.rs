@@ -1,9 +1,10 @@
 //! The order of the candidates, those without a plan, and the confidence.
 
-use super::parts::steps;
+use super::parts::{plate, steps};
 use super::surfaces::{Facet, Height, facets, placed, published, quadrilateral};
 use super::{drive, in_direction, mm, published_cutters, ranked, settings, workpiece};
 use scallopd::milling::{Cutter, Model};
+use scallopd::motion::Machine;
 use scallopd::planning::plan::{CandidateCutter, CandidatePlan, MilledFigures, NotRankedReason, Pattern, PlanSettings, rank};
 use scallopd::planning::{Level, SurfaceEvidence, SurfaceWeakness};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -152,6 +153,22 @@ fn confidence_lists_the_weaknesses() {
     let doubtful = confidence(SurfaceEvidence { hidden_area_share: 0.3, pieces: 2, ..SurfaceEvidence::default() });
     let weaknesses: Vec<_> = doubtful.reasons().iter().map(|reason| (reason.weakness, reason.level)).collect();
     assert_eq!(weaknesses, [(SurfaceWeakness::HiddenArea, Level::Low), (SurfaceWeakness::SeveralPieces, Level::Moderate)]);
+}
+
+#[test]
+fn runs_over_steps_are_named_where_the_control_does_not_look_ahead() {
+    let stairs = steps(&[0.0, 6.0, 12.0, 18.0, 24.0, 30.0], &[0.0, 20.0], &[&[0.0], &[4.0], &[0.0], &[4.0], &[0.0]]);
+    let ball = [CandidateCutter::new(Cutter::ball_end(mm(4.0)))];
+    let across = PlanSettings { max_uncut_share: 1.0, ..in_direction(Model::Envelope, 0.0) };
+    let reasons = |facets: &[Facet], settings: &PlanSettings| {
+        let confidence = ranked(facets, &ball, settings).confidence.unwrap();
+        confidence.reasons().iter().find(|reason| reason.weakness == SurfaceWeakness::SharpCorners).map(|reason| reason.figure)
+    };
+    // Each line climbs and falls twice, with a stop at the foot and at the top of each wall.
+    assert!(reasons(&stairs, &across).unwrap() > 1.5);
+    assert_eq!(reasons(&plate([30.0, 20.0], 25.0), &across), None);
+    let machine = Machine { path_tolerance: Some(mm(0.01)), ..across.machine };
+    assert_eq!(reasons(&stairs, &PlanSettings { machine, ..across }), None);
 }
 
 #[test]
