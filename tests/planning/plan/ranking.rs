@@ -1,6 +1,6 @@
 //! The order of the candidates, those without a plan, and the confidence.
 
-use super::parts::{plate, steps};
+use super::parts::{plate, profile, steps};
 use super::surfaces::{Facet, Height, facets, placed, published, quadrilateral};
 use super::{drive, in_direction, mm, published_cutters, ranked, settings, workpiece};
 use scallopd::milling::{Cutter, Model};
@@ -156,19 +156,19 @@ fn confidence_lists_the_weaknesses() {
 }
 
 #[test]
-fn runs_over_steps_are_named_where_the_control_does_not_look_ahead() {
-    let stairs = steps(&[0.0, 6.0, 12.0, 18.0, 24.0, 30.0], &[0.0, 20.0], &[&[0.0], &[4.0], &[0.0], &[4.0], &[0.0]]);
+fn runs_over_ribs_are_named_where_the_control_does_not_look_ahead() {
+    let ribs = profile(&[[0.0, 0.0], [6.0, 0.0], [6.8, 4.0], [11.2, 4.0], [12.0, 0.0], [18.0, 0.0], [18.8, 4.0], [24.0, 4.0]], 20.0);
     let ball = [CandidateCutter::new(Cutter::ball_end(mm(4.0)))];
     let across = PlanSettings { max_uncut_share: 1.0, ..in_direction(Model::Envelope, 0.0) };
     let reasons = |facets: &[Facet], settings: &PlanSettings| {
         let confidence = ranked(facets, &ball, settings).confidence.unwrap();
         confidence.reasons().iter().find(|reason| reason.weakness == SurfaceWeakness::SharpCorners).map(|reason| reason.figure)
     };
-    // Each line climbs and falls twice, with a stop at the foot and at the top of each wall.
-    assert!(reasons(&stairs, &across).unwrap() > 1.5);
+    // Each line climbs and falls, with a stop at the foot of each wall.
+    assert!(reasons(&ribs, &across).unwrap() > 1.5);
     assert_eq!(reasons(&plate([30.0, 20.0], 25.0), &across), None);
     let machine = Machine { path_tolerance: Some(mm(0.01)), ..across.machine };
-    assert_eq!(reasons(&stairs, &PlanSettings { machine, ..across }), None);
+    assert_eq!(reasons(&ribs, &PlanSettings { machine, ..across }), None);
 }
 
 #[test]
