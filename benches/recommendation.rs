@@ -44,7 +44,7 @@ fn waves(n: u32, facet_limit: usize) -> Mesh {
             builder.facet([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    builder.finish(Unit::Millimetre, Facing::Up).expect("a mesh")
+    builder.finish(Unit::Millimetre, Facing::Up, &|| false).expect("a mesh")
 }
 
 /// Toroidal and ball-end cutters in turn: two of 10 mm, or more with diameters from 2 to 17 mm.
@@ -85,8 +85,8 @@ const SERVICE_LIMIT: usize = 500_000;
 
 /// The ranking of these cutters, with all stages after reading.
 fn planned(mesh: &Mesh, cutters: &[Cutter], settings: &PlanSettings) -> Option<Ranking> {
-    let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
-    let workpiece = Workpiece::new(mesh, &mesh.visibility(settings.max_slope), &selected, None, &|| false);
+    let selected = mesh.selected(&Selection::all(), &mesh.pieces(&|| false)).expect("a selection");
+    let workpiece = Workpiece::new(mesh, &mesh.visibility(settings.max_slope, &|| false), &selected, None, &|| false);
     let candidates: Vec<_> = cutters.iter().copied().map(CandidateCutter::new).collect();
     rank(&workpiece, &candidates, settings, SurfaceEvidence::default(), &|| false)
 }
@@ -130,13 +130,13 @@ fn main() {
             lines.push(format!(r#"{{"facets":{facets},"stage":"{stage}","processor_ms":{processor:.3},"ms":{time:.3}}}"#));
         };
         report("build", &mut || drop(black_box(waves(n, MeshBuilder::DEFAULT_FACET_LIMIT))));
-        report("pieces", &mut || drop(black_box(mesh.pieces())));
-        let selected = mesh.selected(&Selection::all(), &mesh.pieces()).expect("a selection");
-        report("visibility", &mut || drop(black_box(mesh.visibility(max_slope))));
-        let visibility = mesh.visibility(max_slope);
+        report("pieces", &mut || drop(black_box(mesh.pieces(&|| false))));
+        let selected = mesh.selected(&Selection::all(), &mesh.pieces(&|| false)).expect("a selection");
+        report("visibility", &mut || drop(black_box(mesh.visibility(max_slope, &|| false))));
+        let visibility = mesh.visibility(max_slope, &|| false);
         report("workpiece", &mut || drop(black_box(Workpiece::new(&mesh, &visibility, &selected, None, &|| false))));
         let workpiece = Workpiece::new(&mesh, &visibility, &selected, None, &|| false);
-        report("view", &mut || drop(black_box(mesh.seen_from_above(256))));
+        report("view", &mut || drop(black_box(mesh.seen_from_above(256, &|| false))));
         for count in [2, 50] {
             let cutters = cutters(count);
             let candidates: Vec<_> = cutters.iter().copied().map(CandidateCutter::new).collect();

@@ -77,9 +77,9 @@
 //! let mut mesh = MeshBuilder::new();
 //! let points = [[0.0, 0.0, 0.0], [80.0, 0.0, 0.0], [80.0, 32.0, 24.0], [0.0, 32.0, 24.0]];
 //! mesh.indexed(&points, &[[0, 1, 2], [0, 2, 3]])?;
-//! let mesh = mesh.finish(Unit::Millimetre, Facing::Up)?;
-//! let selected = mesh.selected(&Selection::all(), &mesh.pieces())?;
-//! let part = Workpiece::new(&mesh, &mesh.visibility(Angle::from_degrees(85.0)?), &selected, None, &|| false);
+//! let mesh = mesh.finish(Unit::Millimetre, Facing::Up, &|| false)?;
+//! let selected = mesh.selected(&Selection::all(), &mesh.pieces(&|| false))?;
+//! let part = Workpiece::new(&mesh, &mesh.visibility(Angle::from_degrees(85.0)?, &|| false), &selected, None, &|| false);
 //!
 //! let diameter = Length::from_mm(10.0)?;
 //! let candidates = [Cutter::toroidal(diameter, Length::from_mm(2.0)?)?, Cutter::ball_end(diameter)].map(CandidateCutter::new);

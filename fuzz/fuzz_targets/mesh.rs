@@ -36,14 +36,14 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         points.iter().for_each(|&point| builder.point(point));
     }
     let facing = if first & 4 == 0 { Facing::Up } else { Facing::Any };
-    let Ok(mesh) = builder.finish(Unit::Millimetre, facing) else { return };
+    let Ok(mesh) = builder.finish(Unit::Millimetre, facing, &|| false) else { return };
     let max_slope = Angle::from_degrees(85.0).expect("an angle");
     let pieces = mesh.pieces();
     let selected = mesh.selected(&Selection::all(), &pieces).expect("all facets");
-    let visibility = mesh.visibility(max_slope);
+    let visibility = mesh.visibility(max_slope, &|| false);
     let shares = visibility.shares();
     assert!((shares.hidden + shares.overhanging + shares.steep + shares.machined - 1.0).abs() < 1e-6);
-    let facets = mesh.facets_for_finishing(&visibility, &selected);
+    let facets = mesh.facets_for_finishing(&visibility, &selected, &|| false);
     for facet in &facets {
         assert!(facet.normal[2] > 0.0 && facet.area > 0.0 && facet.curvature.iter().all(|part| part.is_finite()));
     }

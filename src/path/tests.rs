@@ -275,7 +275,7 @@ fn step_in_a_plate() -> Mesh {
     {
         builder.indexed(&[a, b, c, d], &[[0, 2, 1], [1, 2, 3]]).unwrap();
     }
-    builder.finish(Unit::Millimetre, Facing::Up).unwrap()
+    builder.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap()
 }
 
 fn level_facets(mesh: &Mesh) -> Vec<u32> {
@@ -350,7 +350,7 @@ fn the_deepest_gouge_is_at_the_point_of_a_small_pyramid_that_a_pass_cuts_off() {
         [[side, next, 4 + next], [side, 4 + next, 4 + side], [4 + side, 4 + next, 8]]
     });
     builder.indexed(&points, &sides.collect::<Vec<[u64; 3]>>()).unwrap();
-    let mesh = builder.finish(Unit::Millimetre, Facing::Up).unwrap();
+    let mesh = builder.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap();
     let profile = Profile::torus(3.0, 1.0);
     let milled = milled(&profile, &[cut(Vector3::new(0.0, 15.3, 0.198), Vector3::new(30.0, 15.3, 0.198))]);
     let facets: Vec<u32> = (0..12).collect();

@@ -64,14 +64,14 @@ impl MachinedFacets {
         stop: Stop,
     ) -> Result<Self, NoMachinedSurface> {
         let go_on = || if stop() { Err(NoMachinedSurface::NothingToMachine) } else { Ok(()) };
-        let mut mesh = mesh.finish_until(unit, facing, stop).map_err(NoMachinedSurface::Mesh)?;
+        let mut mesh = mesh.finish(unit, facing, stop).map_err(NoMachinedSurface::Mesh)?;
         go_on()?;
-        let pieces = mesh.pieces_until(stop);
+        let pieces = mesh.pieces(stop);
         mesh.turn_solids_outwards(&pieces);
         go_on()?;
         let selected = mesh.selected(selection, &pieces).map_err(NoMachinedSurface::Selection)?;
         go_on()?;
-        let visibility = mesh.visibility_until(max_slope, stop);
+        let visibility = mesh.visibility(max_slope, stop);
         go_on()?;
         let facets = Self { mesh, visibility, pieces, selected };
         if facets.machined().next().is_none() { Err(NoMachinedSurface::NothingToMachine) } else { Ok(facets) }
@@ -146,9 +146,8 @@ impl MachinedSurface {
     /// Once `stop` returns true, work ends early, and the result must be discarded.
     pub(crate) fn new(facets: MachinedFacets, avoid: Option<(MeshBuilder, Unit)>, stop: Stop) -> Result<Self, NoMachinedSurface> {
         let MachinedFacets { mesh, visibility, selected, .. } = &facets;
-        let view = mesh.seen_from_above_until(MAP_SIDE, stop);
-        let avoid =
-            avoid.map(|(avoid, unit)| avoid.finish_until(unit, Facing::Any, stop).map_err(NoMachinedSurface::Avoided)).transpose()?;
+        let view = mesh.seen_from_above(MAP_SIDE, stop);
+        let avoid = avoid.map(|(avoid, unit)| avoid.finish(unit, Facing::Any, stop).map_err(NoMachinedSurface::Avoided)).transpose()?;
         let workpiece = Workpiece::new(mesh, visibility, selected, avoid.as_ref(), stop);
         Ok(Self { facets, workpiece, view })
     }

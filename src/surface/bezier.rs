@@ -92,17 +92,11 @@ impl Bezier {
     /// of area
     /// |P_u x P_v| du dv; `samples` is from 2 to [`Bezier::LARGEST_SAMPLES`].
     ///
-    /// # Errors
-    /// [`OutOfRange`] for another number of samples.
-    pub fn sampled(&self, samples: usize) -> Result<SampledSurface, OutOfRange> {
-        self.sampled_until(samples, &|| false)
-    }
-
-    /// The same as [`Bezier::sampled`]. Once `stop` returns true, the other samples are left out.
+    /// Once `stop` returns true, the other samples are left out.
     ///
     /// # Errors
-    /// As [`Bezier::sampled`].
-    pub fn sampled_until(&self, samples: usize, stop: &dyn Fn() -> bool) -> Result<SampledSurface, OutOfRange> {
+    /// [`OutOfRange`] for another number of samples.
+    pub fn sampled(&self, samples: usize, stop: &dyn Fn() -> bool) -> Result<SampledSurface, OutOfRange> {
         count_in_bounds(samples, 2, Self::LARGEST_SAMPLES)?;
         #[allow(clippy::cast_precision_loss)] // up to 1000
         let step = (samples as f64).recip();
@@ -125,23 +119,14 @@ impl Bezier {
     /// Passes the facets of the patch to `sink`: 2 x `samples`^2 of them, with corners at the corners of the cells of
     /// [`Bezier::sampled`].
     ///
+    /// Once `stop` returns true, the facets of the other cells are left out.
+    ///
     /// # Errors
     /// [`OutOfRange`] for a number of samples outside 2 to [`Bezier::LARGEST_SAMPLES`].
     ///
     /// # Panics
     /// Never: the grid receives rows times columns points.
-    pub fn tessellate<S: Sink>(&self, samples: usize, sink: S) -> Result<S, OutOfRange> {
-        self.tessellate_until(samples, sink, &|| false)
-    }
-
-    /// The same as [`Bezier::tessellate`]. Once `stop` returns true, the facets of the other cells are left out.
-    ///
-    /// # Errors
-    /// As [`Bezier::tessellate`].
-    ///
-    /// # Panics
-    /// Never, as [`Bezier::tessellate`].
-    pub fn tessellate_until<S: Sink>(&self, samples: usize, sink: S, stop: &dyn Fn() -> bool) -> Result<S, OutOfRange> {
+    pub fn tessellate<S: Sink>(&self, samples: usize, sink: S, stop: &dyn Fn() -> bool) -> Result<S, OutOfRange> {
         count_in_bounds(samples, 2, Self::LARGEST_SAMPLES)?;
         #[expect(clippy::cast_precision_loss, reason = "up to 1000")]
         let corner = |index: usize| index as f64 / samples as f64;
@@ -236,7 +221,7 @@ mod tests {
     fn a_bilinear_patch_of_a_plane_is_the_plane() {
         // 40 x 30 horizontally, rising 30 over the 30: 45 deg, area 40 * 30 sqrt(2).
         let net = [vec![[0.0; 3], [0.0, 30.0, 30.0]], vec![[40.0, 0.0, 0.0], [40.0, 30.0, 30.0]]];
-        let plane = shape(&Bezier::new(&net).unwrap().sampled(50).unwrap());
+        let plane = shape(&Bezier::new(&net).unwrap().sampled(50, &|| false).unwrap());
         assert_relative_eq!(plane.area.unwrap().mm2(), 1200.0 * 2.0_f64.sqrt(), max_relative = 1e-13);
         assert_relative_eq!(plane.slope.degrees(), 45.0, max_relative = 1e-13);
         assert_relative_eq!(plane.mean_slope.unwrap().degrees(), 45.0, max_relative = 1e-13);
@@ -257,8 +242,8 @@ mod tests {
         let wrong = [vec![point; 2], vec![point, [0.0, f64::NAN, 0.0]]];
         assert_eq!(Bezier::new(&wrong), Err(BezierError::Coordinate { row: 1, column: 1 }));
         let patch = Bezier::new(&[vec![point; 2], vec![point; 2]]).unwrap();
-        assert_eq!(patch.sampled(1).unwrap_err(), OutOfRange { minimum: 2.0, maximum: 1000.0 });
-        assert!(patch.sampled(1001).is_err());
+        assert_eq!(patch.sampled(1, &|| false).unwrap_err(), OutOfRange { minimum: 2.0, maximum: 1000.0 });
+        assert!(patch.sampled(1001, &|| false).is_err());
     }
 
     proptest! {

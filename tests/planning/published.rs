@@ -27,7 +27,7 @@ fn patch(surface: &Value) -> Bezier {
 /// The shape of a published surface, sampled as the paper does, 80 x 80.
 fn shape(index: usize) -> (Value, Shape) {
     let surface = published()["surfaces"][index].clone();
-    let shape = patch(&surface).sampled(80).unwrap().shape(Unit::Millimetre, Facing::Up).unwrap();
+    let shape = patch(&surface).sampled(80, &|| false).unwrap().shape(Unit::Millimetre, Facing::Up).unwrap();
     (surface, shape)
 }
 

@@ -62,16 +62,13 @@ answer! {
 impl PathMapAnswer {
     /// The map of what a path leaves on the selected facets. `None` once `stop` returns true.
     pub(super) fn new(mesh: &Mesh, facets: &[u32], milled: &Milled, stop: Stop) -> Option<Self> {
-        let view = mesh.seen_from_above_until(MAP_SIDE, stop);
+        let view = mesh.seen_from_above(MAP_SIDE, stop);
         let frame = view.frame;
         let selected: HashSet<u32> = facets.iter().copied().collect();
         let left = |cell: usize| {
             let facet = view.facet(cell).filter(|facet| u32::try_from(*facet).is_ok_and(|facet| selected.contains(&facet)))?;
-            let (column, row) = (cell % frame.columns, cell / frame.columns);
-            #[expect(clippy::cast_precision_loss, reason = "at most 256")]
-            let at = |index: usize, axis: usize| frame.origin[axis] + (index as f64 + 0.5) * frame.cell;
             let (normal, _) = mesh.normal_and_area(facet);
-            milled.left_at([at(column, 0), at(row, 1), view.heights[cell]], normal).map(|left| left.height)
+            milled.left_at(view.middle(cell), normal).map(|left| left.height)
         };
         let rows: Vec<Vec<Option<f64>>> = (0..frame.rows)
             .into_par_iter()
@@ -128,15 +125,8 @@ struct Heights {
 impl<'a> MapCells<'a> {
     pub(super) fn new(machined: &'a MachinedSurface, settings: &'a PlanSettings) -> Self {
         let view = &machined.view;
-        let frame = view.frame;
-        let middle = |cell: usize| {
-            let (column, row) = (cell % frame.columns, cell / frame.columns);
-            #[expect(clippy::cast_precision_loss, reason = "at most 256")]
-            let at = |index: usize, axis: usize| frame.origin[axis] + (index as f64 + 0.5) * frame.cell;
-            [at(column, 0), at(row, 1), view.heights[cell]]
-        };
         let target = |cell: usize| machined.workpiece.target_of(u32::try_from(view.facet(cell)?).ok()?);
-        let (places, points) = (0..frame.cells()).filter_map(|cell| Some((cell, (target(cell)?, middle(cell))))).unzip();
+        let (places, points) = (0..view.frame.cells()).filter_map(|cell| Some((cell, (target(cell)?, view.middle(cell))))).unzip();
         Self { machined, settings, places, points }
     }
 

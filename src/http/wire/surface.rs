@@ -95,15 +95,10 @@ fn bezier(object: &mut Object<'_, '_>, faults: &mut Faults) -> Result<SurfaceWit
     // The shape is computed from the samples, as published; the facets have the corners of the cells.
     let cancel = faults.cancel_flag();
     let stop = || cancel.is_cancelled();
-    let mesh = patch.tessellate_until(samples, received(faults).mesh, &stop);
-    let surface =
-        patch.sampled_until(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
-            faults.add(
-                &object.path().member(SAMPLES.name),
-                RequestFault::OutOfRange,
-                format_args!("the number of samples each way {bounds}"),
-            )
-        })?;
+    let mesh = patch.tessellate(samples, received(faults).mesh, &stop);
+    let surface = patch.sampled(samples, &stop).and_then(|sampled| Ok(ReceivedSurface { sampled, mesh: mesh? })).map_err(|bounds| {
+        faults.add(&object.path().member(SAMPLES.name), RequestFault::OutOfRange, format_args!("the number of samples each way {bounds}"))
+    })?;
     Ok(SurfaceWithSource::stated(surface, Source::Bezier))
 }
 

@@ -28,7 +28,7 @@ fn grid(rows: usize, columns: usize, corner: impl Fn(usize, usize) -> Vector3<f6
         })
         .collect();
     builder.indexed(&points, &triangles).unwrap();
-    builder.finish(Unit::Millimetre, Facing::Up).unwrap()
+    builder.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap()
 }
 
 fn all_facets(mesh: &Mesh) -> Vec<u32> {

@@ -45,7 +45,7 @@ impl Workpiece {
     /// is a second mesh that is not to be cut. Once `stop` returns true, the result must be discarded.
     #[must_use]
     pub fn new(mesh: &Mesh, visibility: &Visibility, selected: &[bool], avoid: Option<&Mesh>, stop: &(dyn Fn() -> bool + Sync)) -> Self {
-        let mut planned = mesh.facets_for_finishing_until(visibility, selected, stop).into_iter();
+        let mut planned = mesh.facets_for_finishing(visibility, selected, stop).into_iter();
         let mut targets: Vec<(u32, FinishFacet)> = Vec::new();
         let (mut area, mut steep_area) = (0.0, 0.0);
         for ((facet, class), _) in (0_u32..).zip(visibility.classes()).zip(selected).filter(|(_, selected)| **selected) {

@@ -162,17 +162,11 @@ impl MeshBuilder {
     /// With [`Facing::Up`], a surface with facets that point down and none that point up counts as upside down, and is
     /// turned over. A facet whose back is seen from above is handled by [`Mesh::visibility`], for either `facing`.
     ///
-    /// # Errors
-    /// [`MeshError`] if no facet has an area, too few points were added, or a coordinate was out of bounds.
-    pub fn finish(self, unit: Unit, facing: Facing) -> Result<Mesh, MeshError> {
-        self.finish_until(unit, facing, &|| false)
-    }
-
-    /// The same as [`MeshBuilder::finish`], but returns early, with any result, once `stop` returns true.
+    /// It returns early, with any result, once `stop` returns true.
     ///
     /// # Errors
-    /// As [`MeshBuilder::finish`].
-    pub fn finish_until(self, unit: Unit, facing: Facing, stop: &dyn Fn() -> bool) -> Result<Mesh, MeshError> {
+    /// [`MeshError`] if no facet has an area, too few points were added, or a coordinate was out of bounds.
+    pub fn finish(self, unit: Unit, facing: Facing, stop: &dyn Fn() -> bool) -> Result<Mesh, MeshError> {
         if self.left_out.is_out_of_range {
             return Err(MeshError::CoordinateOutOfRange);
         }

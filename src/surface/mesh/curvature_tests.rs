@@ -75,7 +75,7 @@ fn a_plane_has_no_curvature_in_any_tessellation() {
         let (x, y) = (30.0 * random(), 20.0 * random());
         cloud.point([x, y, 0.4 * x - 0.7 * y + 3.0]);
     }
-    for facet in finish_facets(&cloud.finish(Unit::Millimetre, Facing::Up).unwrap()) {
+    for facet in finish_facets(&cloud.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap()) {
         // Normals of slivers are rounded by 1e-16 of 30 mm over their height.
         assert!(facet.curvature.iter().all(|k| k.abs() < 1e-9), "{facet:?}");
     }

@@ -60,19 +60,12 @@ const NONE: u32 = u32::MAX;
 impl Mesh {
     /// The connected pieces, found by joining the sets of points that each facet connects: O(n log n), amortised.
     ///
+    /// Once `stop` returns true, it returns early, and the result must be discarded.
+    ///
     /// # Panics
     /// Never: the bound on facets keeps point numbers within 32 bits.
     #[must_use]
-    pub fn pieces(&self) -> Pieces {
-        self.pieces_until(&|| false)
-    }
-
-    /// The same as [`Mesh::pieces`]. Once `stop` returns true, it returns early, and the result must be discarded.
-    ///
-    /// # Panics
-    /// Never, as [`Mesh::pieces`].
-    #[must_use]
-    pub fn pieces_until(&self, stop: &(dyn Fn() -> bool + Sync)) -> Pieces {
+    pub fn pieces(&self, stop: &(dyn Fn() -> bool + Sync)) -> Pieces {
         let points = u32::try_from(self.points().len()).expect("points are numbered in 32 bits");
         let mut parent: Vec<u32> = (0..points).collect();
         for some in self.triangles().chunks(TURN).take_while(|_| !stop()) {

@@ -178,20 +178,10 @@ impl Mesh {
     /// The facets to plan for: visible from above, selected and not vertical, in the order of the mesh. Facets steeper
     /// than the limit of [`Mesh::visibility`] are included, because passes cross them although they do not limit the
     /// spacing; [`FinishFacet::slope`] identifies them. `selected` is the result of [`Mesh::selected`].
+    ///
+    /// Once `stop` returns true, it returns early, and the result must be discarded.
     #[must_use]
-    pub fn facets_for_finishing(&self, visibility: &Visibility, selected: &[bool]) -> Vec<FinishFacet> {
-        self.facets_for_finishing_until(visibility, selected, &|| false)
-    }
-
-    /// The same as [`Mesh::facets_for_finishing`]. Once `stop` returns true, it returns early, and the result must be
-    /// discarded.
-    #[must_use]
-    pub fn facets_for_finishing_until(
-        &self,
-        visibility: &Visibility,
-        selected: &[bool],
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Vec<FinishFacet> {
+    pub fn facets_for_finishing(&self, visibility: &Visibility, selected: &[bool], stop: &(dyn Fn() -> bool + Sync)) -> Vec<FinishFacet> {
         let wanted: Vec<u32> = (0_u32..)
             .zip(visibility.classes().iter().zip(selected))
             .filter(|&(_, (class, selected))| *selected && matches!(class, FacetClass::Machined | FacetClass::Steep { wall: false }))

@@ -12,7 +12,7 @@ pub(super) fn grid(rows: u32, columns: u32, at: impl Fn(f64, f64) -> [f64; 3]) -
             grid.point(at(f64::from(column) / f64::from(columns - 1), f64::from(row) / f64::from(rows - 1)));
         }
     }
-    grid.finish().unwrap().finish(Unit::Millimetre, Facing::Up).unwrap()
+    grid.finish().unwrap().finish(Unit::Millimetre, Facing::Up, &|| false).unwrap()
 }
 
 /// A closed box, each side two triangles that face outwards.
@@ -35,7 +35,7 @@ pub(super) fn mesh(facets: &[[[f64; 3]; 3]]) -> Mesh {
     for &facet in facets {
         builder.facet(facet);
     }
-    builder.finish(Unit::Millimetre, Facing::Up).unwrap()
+    builder.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap()
 }
 
 pub(super) fn degrees(value: f64) -> Angle {
@@ -44,8 +44,8 @@ pub(super) fn degrees(value: f64) -> Angle {
 
 /// All facets visible from above, up to 85 deg.
 pub(super) fn finish_facets(mesh: &Mesh) -> Vec<FinishFacet> {
-    let selected = mesh.selected(&Selection::all(), &mesh.pieces()).unwrap();
-    mesh.facets_for_finishing(&mesh.visibility(degrees(85.0)), &selected)
+    let selected = mesh.selected(&Selection::all(), &mesh.pieces(&|| false)).unwrap();
+    mesh.facets_for_finishing(&mesh.visibility(degrees(85.0), &|| false), &selected, &|| false)
 }
 
 /// Pseudo-random numbers from 0 to 1 (Knuth's multiplier).

@@ -12,11 +12,11 @@ fn build(facets: &[[[f64; 3]; 3]], facing: Facing) -> Result<Mesh, MeshError> {
     for &facet in facets {
         builder.facet(facet);
     }
-    builder.finish(Unit::Millimetre, facing)
+    builder.finish(Unit::Millimetre, facing, &|| false)
 }
 
 fn shares(mesh: &Mesh) -> AreaShares {
-    mesh.visibility(degrees(85.0)).shares()
+    mesh.visibility(degrees(85.0), &|| false).shares()
 }
 
 fn area_seen_from_above(facets: &[FinishFacet]) -> f64 {
@@ -51,7 +51,7 @@ fn an_index_list_gives_the_mesh_or_names_its_fault() {
     let points = [[0.0; 3], [25.4, 0.0, 0.0], [0.0, 1.0, 2.0], [25.4, 0.0, 0.0]];
     let mut builder = MeshBuilder::new();
     builder.indexed(&points, &[[0, 1, 2], [0, 3, 2], [1, 3, 2]]).unwrap();
-    let inches = builder.finish(Unit::Inch, Facing::Up).unwrap();
+    let inches = builder.finish(Unit::Inch, Facing::Up, &|| false).unwrap();
     assert_eq!((inches.points().len(), inches.triangles().len(), inches.degenerate_facets()), (3, 2, 1));
     assert_relative_eq!(inches.bounds().max[0], 25.4 * 25.4);
     let refusal = |points: &[[f64; 3]], triangles: &[[u64; 3]]| MeshBuilder::new().indexed(points, triangles).unwrap_err();
@@ -85,7 +85,7 @@ fn a_roof_hides_what_is_below_it() {
     assert_relative_eq!(shares(&two).hidden, 800.0 / area);
     assert_relative_eq!(shares(&two).overhanging, 1600.0 / area);
     assert_relative_eq!(shares(&two).machined, 800.0 / area);
-    assert_eq!(two.pieces().count(), 2);
+    assert_eq!(two.pieces(&|| false).count(), 2);
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn the_walls_of_a_closed_cavity_are_hidden() {
 fn solids_are_closed_and_have_their_facets_outside_or_inside() {
     let solid = solid_box([3.0, -5.0, 2.0], [40.0, 20.0, 10.0]);
     let turned = |facets: &[[[f64; 3]; 3]]| facets.iter().map(|&[a, b, c]| [a, c, b]).collect::<Vec<_>>();
-    let closures = |facets: &[[[f64; 3]; 3]]| mesh(facets).pieces().closures().to_vec();
+    let closures = |facets: &[[[f64; 3]; 3]]| mesh(facets).pieces(&|| false).closures().to_vec();
     assert_eq!(closures(&solid), [Closure::Outwards]);
     assert_eq!(closures(&turned(&solid)), [Closure::Inwards]);
     for facet in 0..solid.len() {
@@ -137,7 +137,7 @@ fn solids_are_closed_and_have_their_facets_outside_or_inside() {
         assert_eq!((closures(&without), closures(&one_turned)), (vec![Closure::Open], vec![Closure::Open]));
     }
     let sheet = grid(9, 9, |u, v| [50.0 * u, 40.0 * v, (6.0 * u).sin() * (5.0 * v).cos()]);
-    assert_eq!(sheet.pieces().closures(), [Closure::Open]);
+    assert_eq!(sheet.pieces(&|| false).closures(), [Closure::Open]);
     // A sheet with each facet in both orientations encloses nothing.
     let corners = |facet| sheet.corners(facet);
     let both: Vec<_> = (0..sheet.triangles().len()).map(corners).flat_map(|[a, b, c]| [[a, b, c], [a, c, b]]).collect();
@@ -152,7 +152,7 @@ fn solids_with_a_hole_above_lack_its_area() {
     let top = grid(20, 20, |u, v| [40.0 * u, 20.0 * v, 10.0]);
     let below = solid_box([0.0; 3], [40.0, 20.0, 10.0]).into_iter().filter(|facet| facet.iter().any(|corner| corner[2] == 0.0));
     let solid: Vec<_> = (0..top.triangles().len()).map(|facet| top.corners(facet)).chain(below).collect();
-    let missing = |facets: &[[[f64; 3]; 3]]| mesh(facets).pieces().missing_areas().to_vec();
+    let missing = |facets: &[[[f64; 3]; 3]]| mesh(facets).pieces(&|| false).missing_areas().to_vec();
     assert_relative_eq!(missing(&solid)[..], [0.0][..], epsilon = 1e-9);
     let (_, area) = top.normal_and_area(100);
     let mut with_hole = solid.clone();
@@ -172,12 +172,12 @@ fn solids_with_a_hole_above_lack_its_area() {
 fn solids_are_turned_outwards() {
     let inwards: Vec<_> = solid_box([0.0; 3], [40.0, 20.0, 10.0]).into_iter().map(|[a, b, c]| [a, c, b]).collect();
     let mut solid = mesh(&inwards);
-    let pieces = solid.pieces();
+    let pieces = solid.pieces(&|| false);
     assert_eq!(pieces.closures(), [Closure::Inwards]);
     solid.turn_solids_outwards(&pieces);
-    assert_eq!(solid.pieces().closures(), [Closure::Outwards]);
-    solid.turn_solids_outwards(&solid.pieces());
-    assert_eq!(solid.pieces().closures(), [Closure::Outwards]);
+    assert_eq!(solid.pieces(&|| false).closures(), [Closure::Outwards]);
+    solid.turn_solids_outwards(&solid.pieces(&|| false));
+    assert_eq!(solid.pieces(&|| false).closures(), [Closure::Outwards]);
 }
 
 #[test]
@@ -187,7 +187,7 @@ fn a_facet_below_the_common_edge_of_two_is_hidden() {
     let (low, high) = ([0.0, 0.0], [3000.0, 3000.0]);
     let roof = [level([low, [3000.0, 0.0], high], 10.0), level([low, high, [0.0, 3000.0]], 10.0)];
     let below = level([[100.0, 100.0], [100.75, 100.25], [100.25, 100.75]], 0.0);
-    let classes = mesh(&[roof[0], roof[1], below]).visibility(Angle::from_degrees(85.0).unwrap()).classes().to_vec();
+    let classes = mesh(&[roof[0], roof[1], below]).visibility(Angle::from_degrees(85.0).unwrap(), &|| false).classes().to_vec();
     assert_eq!(classes, [FacetClass::Machined, FacetClass::Machined, FacetClass::Hidden]);
 }
 
@@ -199,7 +199,7 @@ fn the_visible_part_of_a_facet_mostly_under_a_roof_is_machined() {
     };
     let under_roof = |roof: [f64; 2]| {
         let mesh = mesh(&[level([0.0, 60.0], 0.0), level(roof, 20.0)].concat());
-        (mesh.visibility(degrees(85.0)), (roof[1] - roof[0]) / 60.0)
+        (mesh.visibility(degrees(85.0), &|| false), (roof[1] - roof[0]) / 60.0)
     };
     for roof in [[10.0, 50.0], [3.0, 60.0], [0.0, 30.0]] {
         let (visibility, covered) = under_roof(roof);
@@ -262,7 +262,7 @@ fn a_sphere_shows_its_upper_half() {
         }
     }
     let sphere = mesh(&facets);
-    assert_eq!((sphere.degenerate_facets(), sphere.triangles().len(), sphere.pieces().count()), (96, 48 * 46, 1));
+    assert_eq!((sphere.degenerate_facets(), sphere.triangles().len(), sphere.pieces(&|| false).count()), (96, 48 * 46, 1));
     let shares = shares(&sphere);
     assert_abs_diff_eq!(shares.machined + shares.steep, 0.5, epsilon = 1e-12);
     assert_abs_diff_eq!(shares.overhanging, 0.5, epsilon = 1e-12);
@@ -281,9 +281,10 @@ fn a_selected_facet_meets_all_conditions() {
     facets.extend(solid_box([20.0, 0.0, 0.0], [30.0, 10.0, 8.0]));
     facets.extend([[[40.0, 0.0, 0.0], [50.0, 0.0, 10.0], [40.0, 10.0, 0.0]]]);
     let parts = mesh(&facets);
-    let (pieces, visibility) = (parts.pieces(), parts.visibility(degrees(85.0)));
+    let (pieces, visibility) = (parts.pieces(&|| false), parts.visibility(degrees(85.0), &|| false));
     assert_eq!(pieces.count(), 3);
-    let count = |selection: Selection| parts.facets_for_finishing(&visibility, &parts.selected(&selection, &pieces).unwrap()).len();
+    let count =
+        |selection: Selection| parts.facets_for_finishing(&visibility, &parts.selected(&selection, &pieces).unwrap(), &|| false).len();
     assert_eq!(count(Selection::all()), 5);
     assert_eq!(count(Selection::all().with_pieces(vec![1, 2]).unwrap()), 3);
     assert_eq!(count(Selection::all().with_slopes(degrees(0.0), degrees(10.0)).unwrap()), 4);
@@ -302,7 +303,12 @@ fn a_selected_facet_meets_all_conditions() {
 #[test]
 fn a_patch_gives_its_facets_facing_up() {
     let net = [vec![[0.0; 3], [0.0, 30.0, 30.0]], vec![[40.0, 0.0, 0.0], [40.0, 30.0, 30.0]]];
-    let patch = Bezier::new(&net).unwrap().tessellate(20, MeshBuilder::new()).unwrap().finish(Unit::Millimetre, Facing::Up).unwrap();
+    let patch = Bezier::new(&net)
+        .unwrap()
+        .tessellate(20, MeshBuilder::new(), &|| false)
+        .unwrap()
+        .finish(Unit::Millimetre, Facing::Up, &|| false)
+        .unwrap();
     assert_eq!((patch.points().len(), patch.triangles().len()), (441, 800));
     let facets = finish_facets(&patch);
     assert_relative_eq!(facets.iter().map(|facet| facet.area).sum::<f64>(), 1200.0 * 2.0_f64.sqrt(), max_relative = 1e-12);
@@ -315,7 +321,7 @@ fn facets_beyond_the_limit_become_heights_on_a_lattice() {
     let mut builder = MeshBuilder::with_facet_limit(5000);
     let fine = grid(101, 151, |u, v| [60.0 * u, 40.0 * v, height(60.0 * u, 40.0 * v)]);
     (0..fine.triangles().len()).for_each(|facet| builder.facet(fine.corners(facet)));
-    let merged = builder.finish(Unit::Inch, Facing::Up).unwrap();
+    let merged = builder.finish(Unit::Inch, Facing::Up, &|| false).unwrap();
     let cell = merged.merged_cell().unwrap();
     // 50 nodes along 60 units: a spacing of 2 and no less.
     assert_relative_eq!(cell, 2.0 * 25.4);
@@ -336,7 +342,7 @@ fn the_order_of_the_facets_does_not_change_what_is_merged() {
     let merged = |order: &dyn Fn(usize) -> usize| {
         let mut builder = MeshBuilder::with_facet_limit(600);
         (0..count).for_each(|i| builder.facet(fine.corners(order(i))));
-        builder.finish(Unit::Millimetre, Facing::Up).unwrap()
+        builder.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap()
     };
     let (forward, backward) = (merged(&|i| i), merged(&|i| count - 1 - i));
     // 3547 is prime, so that its multiples visit every facet, spread over the surface from the start.
@@ -353,13 +359,13 @@ fn the_order_of_the_facets_does_not_change_what_is_merged() {
 fn walls_alone_beyond_the_bound_are_refused() {
     let mut builder = MeshBuilder::with_facet_limit(8);
     (0..20_u32).map(f64::from).for_each(|i| builder.facet([[0.3, i, 0.0], [0.3, i + 0.2, 0.0], [0.3, i, 1.0]]));
-    assert_eq!(builder.finish(Unit::Millimetre, Facing::Up).unwrap_err(), MeshError::NothingFromAbove);
+    assert_eq!(builder.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap_err(), MeshError::NothingFromAbove);
 }
 
 #[test]
 fn values_of_the_facets_seen_form_a_raster() {
     let plane = grid(5, 5, |u, v| [20.0 * u, 10.0 * v, 10.0 * u]);
-    let view = plane.seen_from_above(40);
+    let view = plane.seen_from_above(40, &|| false);
     assert_eq!((view.frame.columns, view.frame.rows, view.frame.cell), (40, 20, 0.5));
     let slopes = view.of_facets(|facet| plane.normal_and_area(facet).0[2]);
     assert!(slopes.values.iter().all(|slope| (slope.unwrap() - (0.8_f64).sqrt()).abs() < 1e-12));
@@ -368,24 +374,24 @@ fn values_of_the_facets_seen_form_a_raster() {
             assert_abs_diff_eq!(view.heights[view.frame.index(column, row)], view.frame.centre(column, row)[0] / 2.0, epsilon = 1e-12);
         }
     }
-    let hole = mesh(&[solid_box([0.0; 3], [1.0; 3]), solid_box([9.0, 0.0, 0.0], [10.0, 1.0, 1.0])].concat()).seen_from_above(10);
+    let hole = mesh(&[solid_box([0.0; 3], [1.0; 3]), solid_box([9.0, 0.0, 0.0], [10.0, 1.0, 1.0])].concat()).seen_from_above(10, &|| false);
     assert_eq!((0..10).map(|cell| hole.facet(cell).is_some()).collect::<Vec<_>>(), [[true].as_slice(), &[false; 8], &[true]].concat());
 }
 
 /// Calls every function of a mesh and checks that all numbers are finite.
 fn examine(mesh: &Mesh) {
-    let pieces = mesh.pieces();
+    let pieces = mesh.pieces(&|| false);
     assert!(pieces.count() >= 1 && pieces.of_facets().iter().all(|&piece| piece < pieces.count()));
-    let visibility = mesh.visibility(degrees(85.0));
+    let visibility = mesh.visibility(degrees(85.0), &|| false);
     let AreaShares { hidden, overhanging, steep, machined } = visibility.shares();
     assert!([hidden, overhanging, steep, machined].iter().all(|share| (0.0..=1.0 + 1e-9).contains(share)));
     assert_abs_diff_eq!(hidden + overhanging + steep + machined, 1.0, epsilon = 1e-9);
     let selected = mesh.selected(&Selection::all(), &pieces).unwrap();
-    for facet in mesh.facets_for_finishing(&visibility, &selected) {
+    for facet in mesh.facets_for_finishing(&visibility, &selected, &|| false) {
         assert!(facet.normal[2] > 0.0 && facet.area >= 0.0 && facet.area.is_finite());
         assert!(facet.curvature.iter().chain(&facet.normal).all(|part| part.is_finite()), "{facet:?}");
     }
-    assert!(mesh.seen_from_above(256).heights.iter().all(|z| !z.is_nan() && *z < f64::INFINITY));
+    assert!(mesh.seen_from_above(256, &|| false).heights.iter().all(|z| !z.is_nan() && *z < f64::INFINITY));
 }
 
 /// Facets with corners on a small lattice, at several scales, so that points coincide or are collinear and facets
@@ -410,7 +416,7 @@ proptest! {
             for &facet in &soup {
                 builder.facet(facet);
             }
-            if let Ok(mesh) = builder.finish(Unit::Metre, facing) {
+            if let Ok(mesh) = builder.finish(Unit::Metre, facing, &|| false) {
                 prop_assert!(mesh.triangles().len() <= limit);
                 examine(&mesh);
             }
@@ -421,7 +427,7 @@ proptest! {
     fn soups_of_points_are_triangulated_without_a_panic(soup in soups(), limit in prop::sample::select(vec![8_usize, 50, 2_000_000])) {
         let mut builder = MeshBuilder::with_facet_limit(limit);
         soup.iter().flatten().for_each(|&point| builder.point(point));
-        if let Ok(mesh) = builder.finish(Unit::Inch, Facing::Up) {
+        if let Ok(mesh) = builder.finish(Unit::Inch, Facing::Up, &|| false) {
             prop_assert!(mesh.triangles().len() <= limit && mesh.from_points());
             examine(&mesh);
         }
@@ -445,5 +451,5 @@ fn facets_with_the_same_corners_count_once() {
     builder.leave_out_duplicates(|corners| left_out.push(corners));
     assert_eq!((left_out.len(), builder.duplicate_facets()), (12, 12));
     assert_eq!(left_out[0], [b, c, a]);
-    assert_eq!(builder.finish(Unit::Millimetre, Facing::Any).unwrap().triangles().len(), 13);
+    assert_eq!(builder.finish(Unit::Millimetre, Facing::Any, &|| false).unwrap().triangles().len(), 13);
 }

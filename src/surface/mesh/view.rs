@@ -34,6 +34,15 @@ impl ViewFromAbove {
         Some(self.facets[cell]).filter(|&facet| facet != NO_FACET).map(|facet| facet as usize)
     }
 
+    /// The middle of a cell on the surface that is seen there.
+    #[must_use]
+    pub fn middle(&self, cell: usize) -> [f64; 3] {
+        let Frame { columns, cell: side, origin, .. } = self.frame;
+        #[expect(clippy::cast_precision_loss, reason = "at most 4096")]
+        let [x, y] = [cell % columns, cell / columns].map(|index| (index as f64 + 0.5) * side);
+        [origin[0] + x, origin[1] + y, self.heights[cell]]
+    }
+
     /// A raster of a value of the facet seen in each cell; `None` if there is no surface.
     pub fn of_facets<T: Clone>(&self, figure: impl Fn(usize) -> T) -> Raster<Option<T>> {
         let values = (0..self.facets.len()).map(|cell| self.facet(cell).map(&figure)).collect();
@@ -49,20 +58,12 @@ impl Mesh {
     /// would exceed 5e7. Heights are exact at cell centres. Of facets with the same height, one that points up is seen,
     /// otherwise the first. Walls are not seen.
     ///
+    /// Once `stop` returns true, it returns early, and the result must be discarded.
+    ///
     /// # Panics
     /// Never: the bound on facets keeps their numbers within 32 bits.
     #[must_use]
-    pub fn seen_from_above(&self, side: usize) -> ViewFromAbove {
-        self.seen_from_above_until(side, &|| false)
-    }
-
-    /// The same as [`Mesh::seen_from_above`]. Once `stop` returns true, it returns early, and the result must be
-    /// discarded.
-    ///
-    /// # Panics
-    /// Never, as [`Mesh::seen_from_above`].
-    #[must_use]
-    pub fn seen_from_above_until(&self, side: usize, stop: &(dyn Fn() -> bool + Sync)) -> ViewFromAbove {
+    pub fn seen_from_above(&self, side: usize, stop: &(dyn Fn() -> bool + Sync)) -> ViewFromAbove {
         let frame = self.frame(side.clamp(1, 4096));
         let mut heights = vec![f64::NEG_INFINITY; frame.cells()];
         let mut facets = vec![NO_FACET; frame.cells()];

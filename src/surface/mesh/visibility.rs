@@ -142,16 +142,12 @@ impl Mesh {
     /// is not below everything seen in its cell and the eight around it, or, as in a narrow slot, if no facet is above its
     /// centroid. A facet that points down and is seen at half of its centres has the wrong orientation and counts as turned;
     /// a closed solid has no such facets.
+    ///
+    /// Once `stop` returns true, it returns early, and the result must be discarded.
     #[must_use]
-    pub fn visibility(&self, max_slope: Angle) -> Visibility {
-        self.visibility_until(max_slope, &|| false)
-    }
-
-    /// The same as [`Mesh::visibility`]. Once `stop` returns true, it returns early, and the result must be discarded.
-    #[must_use]
-    pub fn visibility_until(&self, max_slope: Angle, stop: &(dyn Fn() -> bool + Sync)) -> Visibility {
+    pub fn visibility(&self, max_slope: Angle, stop: &(dyn Fn() -> bool + Sync)) -> Visibility {
         let facets = self.triangles().len();
-        let view = self.seen_from_above_until((8 * facets).isqrt().clamp(256, 1024), stop);
+        let view = self.seen_from_above((8 * facets).isqrt().clamp(256, 1024), stop);
         let frame = view.frame;
         let height = self.bounds().max[2] - self.bounds().min[2];
         // The heights at a common edge, computed from each of its two facets, differ by rounding errors of the

@@ -45,7 +45,7 @@ fn a_million_coincident_points_are_one() {
         let point = if index % 250_000 == 7 { [f64::from(index) * 1e-5, f64::from(index % 3) * 10.0, 1.0] } else { [3.0, 4.0, 1.0] };
         builder.point(point);
     }
-    let mesh = builder.finish(Unit::Millimetre, Facing::Up).unwrap();
+    let mesh = builder.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap();
     assert!(mesh.points().len() <= 5, "{}", mesh.points().len());
     assert_eq!(plans_on(&mesh), 2);
 }
@@ -113,7 +113,7 @@ proptest! {
         for facet in facets {
             builder.facet(facet);
         }
-        let Ok(mesh) = builder.finish(Unit::Millimetre, Facing::Up) else { return Ok(()) };
+        let Ok(mesh) = builder.finish(Unit::Millimetre, Facing::Up, &|| false) else { return Ok(()) };
         let ranking = ranked_on(&machined(&mesh), &published_cutters(), &settings(Model::Envelope));
         prop_assert_eq!(ranking.plans.len() + ranking.not_ranked.len(), 2);
         assert_finite(&ranking);

@@ -52,13 +52,13 @@ pub(crate) fn drive(teeth: u32, rpm: f64) -> Drive {
 pub(crate) fn mesh_of(facets: impl IntoIterator<Item = Facet>) -> Mesh {
     let mut builder = MeshBuilder::new();
     facets.into_iter().for_each(|facet| builder.facet(facet));
-    builder.finish(Unit::Millimetre, Facing::Up).unwrap()
+    builder.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap()
 }
 
 /// The part of a mesh that is machined as a whole, up to slopes of 85 deg.
 pub(crate) fn machined(mesh: &Mesh) -> Workpiece {
-    let selected = mesh.selected(&Selection::all(), &mesh.pieces()).unwrap();
-    Workpiece::new(mesh, &mesh.visibility(degrees(85.0)), &selected, None, &|| false)
+    let selected = mesh.selected(&Selection::all(), &mesh.pieces(&|| false)).unwrap();
+    Workpiece::new(mesh, &mesh.visibility(degrees(85.0), &|| false), &selected, None, &|| false)
 }
 
 pub(crate) fn workpiece(facets: &[Facet]) -> Workpiece {
