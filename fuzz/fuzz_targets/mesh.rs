@@ -5,7 +5,8 @@
 
 use scallopd::milling::Cutter;
 use scallopd::motion::{Machine, Preset};
-use scallopd::planning::plan::{CandidateCutter, Directions, PlanSettings, SurfaceEvidence, Workpiece, passes, rank};
+use scallopd::planning::SurfaceEvidence;
+use scallopd::planning::plan::{CandidateCutter, Directions, PlanSettings, Workpiece, passes, rank};
 use scallopd::quantity::{Angle, Length};
 use scallopd::surface::mesh::Selection;
 use scallopd::surface::{Facing, MeshBuilder, Sink, Unit};
@@ -38,7 +39,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let facing = if first & 4 == 0 { Facing::Up } else { Facing::Any };
     let Ok(mesh) = builder.finish(Unit::Millimetre, facing, &|| false) else { return };
     let max_slope = Angle::from_degrees(85.0).expect("an angle");
-    let pieces = mesh.pieces();
+    let pieces = mesh.pieces(&|| false);
     let selected = mesh.selected(&Selection::all(), &pieces).expect("all facets");
     let visibility = mesh.visibility(max_slope, &|| false);
     let shares = visibility.shares();
