@@ -32,7 +32,7 @@ pub use finish::{Finish, OVER, Residual, Share};
 pub use idle::idle_length;
 pub use milled::{Left, Milled};
 pub use moves::{Move, MoveKind};
-pub use places::{EdgedFacet, Place, Places, places_on_edges};
+pub use places::{EdgedFacet, ON_EDGES, Place, Places, places_on_edges};
 pub use standing::{Reach, Standing};
 pub use tip_line::{Sampling, Tip, tips_between};
 pub use valleys::{Passage, Valley};

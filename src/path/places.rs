@@ -15,6 +15,9 @@ use crate::numerics::z_order::z_order;
 use crate::surface::Mesh;
 use rayon::prelude::*;
 
+/// About how many corners and places on edges are looked at for cuts into the part.
+pub const ON_EDGES: usize = 20_000;
+
 /// A place on a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
@@ -36,7 +39,8 @@ pub struct Places {
 }
 
 impl Places {
-    /// Draws `count` places on the facets, which are indices of the mesh. The same arguments give the same places. Facets without area get none; without any area there are no places.
+    /// Draws `count` places on the facets, which are indices of the mesh. The same arguments give the same places. Facets without area
+    /// get none; without any area there are no places.
     #[must_use]
     pub fn draw(mesh: &Mesh, facets: &[u32], count: usize, seed: u64) -> Self {
         let facets = in_local_order(mesh, facets);
@@ -163,6 +167,8 @@ pub fn places_on_edges(facets: impl Iterator<Item = EdgedFacet> + Clone, count: 
         [0, 1, 2].map(|first| (Place { point: corners[first], normal, facet }, corners[(first + 1) % 3]))
     });
     let step = (3 * facets.count()).div_ceil(count).max(1);
+    // By threes it would be the same corner of every facet, never the points of pyramids that are all listed alike.
+    let step = if step % 3 == 0 { step + 1 } else { step };
     let mut places: Vec<Place> = edges.clone().map(|(corner, _)| corner).step_by(step).collect();
     let whole: f64 = edges.clone().map(|(from, to)| length(difference(to, from.point))).sum();
     let per_mm = count.saturating_sub(places.len()) as f64 / whole;
@@ -192,4 +198,22 @@ fn in_local_order(mesh: &Mesh, facets: &[u32]) -> Vec<u32> {
 /// The normal of the plane through three corners, twice the area long.
 pub(super) fn twice_area(corners: [[f64; 3]; 3]) -> [f64; 3] {
     cross(difference(corners[1], corners[0]), difference(corners[2], corners[0]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_corner_of_alike_facets_is_among_the_places_on_edges() {
+        let facet = |facet: u32| EdgedFacet { facet, corners: [[0.0; 3], [1.0; 3], [2.0; 3]], normal: [0.0, 0.0, 1.0] };
+        for (facets, count) in [(10, 100), (30, 30), (40, 20), (100, 20)] {
+            let places = places_on_edges((0..facets).map(facet), count);
+            assert!(places.len() <= count + 30, "{} of {count}", places.len());
+            for corner in 0..3 {
+                let found = places.iter().filter(|place| place.point[0].to_bits() == f64::from(corner).to_bits()).count();
+                assert!(found > 0, "no corner {corner} of {facets} facets with {count} places");
+            }
+        }
+    }
 }

@@ -60,8 +60,8 @@ pub enum SurfaceWeakness {
     /// The recommended plan cuts into the part deeper than two fifths of the scallop height. Figure: the depth over the
     /// scallop height.
     Gouge,
-    /// The times of the recommended plan slow down in no corner, and its runs have sharp ones. Figure: its time on a control that stops
-    /// in corners of more than 45 deg over the stated one.
+    /// The runs of the recommended plan have sharp corners, and its time counts no stops in them. Figure: its time on a control that
+    /// stops in corners of more than 45 deg, over the stated one.
     SharpCorners,
     /// A part of the path has no feed rate and is timed at the machine's. Figure: its share of the length.
     AssumedPathFeed,

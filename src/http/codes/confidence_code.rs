@@ -33,7 +33,7 @@ codes! {
         NotClosed = "not-closed": "A solid lacks facets, or some are turned", "Repair the mesh: close its holes.";
         UnitUnlikely = "unit-unlikely": "The size of the part suggests that its file is in another unit", "State unit.";
         OverTolerance = "over-tolerance": "Part of the area that the cutter reaches is left over the scallop height", "Look at the map of scallop heights; finish that part in a second operation.";
-        SharpCorners = "sharp-corners": "Runs have sharp corners, in which the plan's time does not slow down", "State path_tolerance_mm of the machine.";
+        SharpCorners = "sharp-corners": "The plan's time counts no stops in the sharp corners of its runs", "State path_tolerance_mm of the machine.";
         AssumedPathFeed = "assumed-path-feed": "Part of the path states no feed rate", "State the feed rates of the path.";
         CornersNotTimed = "corners-not-timed": "The machine has no path tolerance: corners of up to 45° take no time", "State path_tolerance_mm of the machine.";
         Gouge = "gouge": "The path cuts into the part", "Look at the passes near the deepest cut; export the surface with a finer tolerance.";

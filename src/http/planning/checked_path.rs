@@ -19,7 +19,9 @@ use crate::http::wire::{
 use crate::milling::{Profile, ra_um};
 use crate::motion;
 use crate::path::program::{Dialect, with_feeds};
-use crate::path::{DropCutter, Finish, Left, Milled, Move, Passage, PathLengths, Place, Places, Reach, WithMarks, findings, idle_length};
+use crate::path::{
+    DropCutter, Finish, Left, Milled, Move, ON_EDGES, Passage, PathLengths, Place, Places, Reach, WithMarks, findings, idle_length,
+};
 use crate::planning::machined_surface::{MachinedFacets, Stop};
 use crate::planning::{Confidence, PathEvidence};
 use crate::quantity::{Angle, Length};
@@ -27,9 +29,6 @@ use crate::surface::{Facing, ReceivedSurface, Unit};
 
 /// The places on the surface at which the path is looked at: a share of 1 % has a standard error of 0.05 %.
 pub(in crate::http) const PLACES: usize = 40_000;
-
-/// About how many corners and places on edges are looked at for cuts into the part.
-const ON_EDGES: usize = 20_000;
 
 /// One of so many places is looked at for tooth marks and for moves that cut nothing, which takes longer.
 const FEWER: usize = 10;

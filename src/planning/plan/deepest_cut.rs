@@ -3,11 +3,8 @@
 use super::judged::Judged;
 use super::stations::Station;
 use super::workpiece::Workpiece;
-use crate::path::{self, EdgedFacet, Milled, Place, places_on_edges};
+use crate::path::{self, EdgedFacet, Milled, ON_EDGES, Place, places_on_edges};
 use rayon::prelude::*;
-
-/// About how many corners and places on edges are looked at.
-const ON_EDGES: usize = 20_000;
 
 /// The deepest cut in mm of a path into the part: at the stations, at corners and edges of facets, and where these lead to on their
 /// facets.
