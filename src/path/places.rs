@@ -168,7 +168,7 @@ pub fn places_on_edges(facets: impl Iterator<Item = EdgedFacet> + Clone, count: 
     });
     let step = (3 * facets.count()).div_ceil(count).max(1);
     // By threes it would be the same corner of every facet, never the points of pyramids that are all listed alike.
-    let step = if step % 3 == 0 { step + 1 } else { step };
+    let step = if step.is_multiple_of(3) { step + 1 } else { step };
     let mut places: Vec<Place> = edges.clone().map(|(corner, _)| corner).step_by(step).collect();
     let whole: f64 = edges.clone().map(|(from, to)| length(difference(to, from.point))).sum();
     let per_mm = count.saturating_sub(places.len()) as f64 / whole;
