@@ -1,4 +1,4 @@
-//! The plan of a candidate and the figures of its milled path.
+//! The plan of a candidate with the figures of its milled path, or the reason why it has none.
 
 use super::judged::FinishFigures;
 use super::milled_plan::MilledPlan;
@@ -8,6 +8,7 @@ use super::tour::TourFigures;
 use super::workpiece::Workpiece;
 use crate::planning::RectanglePlan;
 use crate::quantity::{Angle, Length, Speed, Time};
+use std::fmt;
 
 /// The plan of one candidate.
 #[derive(Debug, Clone)]
@@ -114,5 +115,44 @@ impl SpacingFigures {
         spacings.sort_by(f64::total_cmp);
         let at = |index: usize| Length::computed(spacings[index]);
         Self { min: at(0), median: at(spacings.len() / 2), max: at(spacings.len() - 1) }
+    }
+}
+
+/// A candidate without a plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnrankedCandidate {
+    /// The position of the cutter among the candidates.
+    pub candidate: usize,
+    /// The reason why it has no plan.
+    pub reason: NotRankedReason,
+}
+
+/// The reason why a candidate has no plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum NotRankedReason {
+    /// The cutter leaves more of the area uncut than allowed.
+    CannotReach {
+        /// The share of the area, 0 to 1.
+        uncut_share: f64,
+        /// The largest height by which the cutter stands over a place that it should touch.
+        uncut_height: Length,
+    },
+    /// In every direction, some part of the surface has no step-over that keeps the scallop height, or step-overs are so
+    /// small that there would be more than 50,000 lines.
+    NoStepOver,
+}
+
+impl fmt::Display for NotRankedReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CannotReach { uncut_share, uncut_height } => write!(
+                f,
+                "the cutter does not reach {:.2} % of the area and stands up to {:.4} mm over it there",
+                100.0 * uncut_share,
+                uncut_height.mm()
+            ),
+            Self::NoStepOver => f.write_str("in no direction do 50,000 lines or fewer keep the scallop height everywhere"),
+        }
     }
 }

@@ -6,7 +6,7 @@
 //! directions are planned: `spread` spaces the lines by what the stations allow, `runs` finds the tips along them,
 //! `missed` adds runs over what the lines miss, `order`, `link` and `tour` make them one path, and `judged` mills it and
 //! states what it leaves; `milled_plan` moves the lines until the scallop height is kept and used. `ranking` is the entry
-//! point, `weakness` rates it, and `passes` lists the points of the path. All lengths are in mm, all times in s.
+//! point, `plan_confidence` rates it, and `passes` lists the points of the path. All lengths are in mm, all times in s.
 
 mod arrangement;
 mod candidate;
@@ -16,6 +16,7 @@ mod chain;
 mod deepest_cut;
 mod drawn_places;
 mod estimate;
+mod estimated_candidate;
 mod family;
 mod hollows;
 mod judged;
@@ -27,6 +28,7 @@ mod missed;
 mod operations;
 mod order;
 mod passes;
+mod plan_confidence;
 mod prepared;
 mod ranking;
 mod region;
@@ -44,12 +46,13 @@ mod workpiece;
 
 pub(in crate::planning) use candidate::FeedRange;
 pub use candidate::{CandidateCutter, Drive};
-pub use candidate_plan::{CandidatePlan, MilledFigures, SpacingFigures};
+pub use candidate_plan::{CandidatePlan, MilledFigures, NotRankedReason, SpacingFigures, UnrankedCandidate};
+pub use estimated_candidate::estimated_times;
 pub use judged::FinishFigures;
 pub use left::{LeftAt, left_at, left_at_by_all, lifts_at};
 pub use operations::{Lines, OperationPlan, OperationsPlan};
 pub use passes::{CutPoint, PassPoint, Passes, passes, passes_of_all};
-pub use ranking::{NotRankedReason, Ranking, UnrankedCandidate, estimated_times, rank};
+pub use ranking::{Ranking, rank};
 pub use settings::{Directions, Pattern, PlanSettings};
 pub use tour::TourFigures;
 pub use travel::APPROACH_HEIGHT;
