@@ -84,8 +84,8 @@ impl MilledFigures {
         let width = (high[0] - low[0]).hypot(high[1] - low[1]).min(2.0 * prepared.profile.outer_radius());
         Self {
             tour,
-            lines: plan.lines.len(),
-            step_over: SpacingFigures::of(&plan.lines, width),
+            lines: plan.lines.at.len(),
+            step_over: SpacingFigures::of(plan.lines.spacings(), width),
             feed_rate: Speed::computed(rate),
             feed_per_tooth: prepared.range.map(|range| Length::computed(rate / range.teeth_per_second)),
             finish: plan.finish,
@@ -106,9 +106,8 @@ pub struct SpacingFigures {
 }
 
 impl SpacingFigures {
-    /// The spacings of lines in order. A single line has the spacing `width`.
-    fn of(lines: &[f64], width: f64) -> Self {
-        let mut spacings: Vec<f64> = lines.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    /// The figures of these spacings. A single line has none, and counts as one of `width`.
+    fn of(mut spacings: Vec<f64>, width: f64) -> Self {
         if spacings.is_empty() {
             spacings.push(width);
         }

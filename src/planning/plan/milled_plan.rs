@@ -2,6 +2,7 @@
 //! the scallop height is kept and used.
 
 use super::cells::Cells;
+use super::cut_lines::CutLines;
 use super::deepest_cut::deepest_cut;
 use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
@@ -9,6 +10,7 @@ use super::family::Family;
 use super::judged::{FinishFigures, Judged, judged, missed, respace};
 use super::levels::LevelMaker;
 use super::missed::Missed;
+use super::order::Order;
 use super::prepared::Prepared;
 use super::region::Region;
 use super::runs::{Run, RunMaker};
@@ -29,7 +31,7 @@ pub(super) const CHORD_SHARE: f64 = 0.1;
 
 /// How long the lines of a plan are moved.
 #[derive(Debug, Clone)]
-struct Effort {
+pub(super) struct Effort {
     /// The fewest and the most rounds. After the fewest, another one follows while the scallop height is not kept.
     rounds: RangeInclusive<usize>,
     /// The share of the lines that another round must spare to be worth its time.
@@ -42,7 +44,7 @@ struct Effort {
 
 impl Effort {
     const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, enough: ENOUGH, missed: ENOUGH };
-    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, enough: ENOUGH, missed: 0.0 };
+    pub(super) const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, enough: ENOUGH, missed: 0.0 };
     /// For a plan that does not keep the scallop height where it was not spaced.
     const AGAIN: Self = Self { rounds: 2..=4, spared: 0.02, enough: UNSEEN_ENOUGH, missed: 0.0 };
 }
@@ -69,7 +71,9 @@ const CELL: f64 = 1.5;
 #[derive(Debug, Clone)]
 pub(super) struct MilledPlan {
     pub(super) family: Family,
-    pub(super) lines: Vec<f64>,
+    pub(super) lines: CutLines,
+    pub(super) runs: Vec<Run>,
+    order: Order,
     pub(super) tour: Tour,
     pub(super) finish: FinishFigures,
     pub(super) judged: Vec<Judged>,
@@ -129,7 +133,7 @@ impl Planner<'_> {
         let coarse = Sampling::coarse(&prepared.profile, DRAFT_CHORD_SHARE * settings.scallop_height.mm());
         let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, coarse, &Effort::DRAFT)?;
         let lines = next.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?.len();
-        let (seconds, before) = (plan.tour.figures.seconds, plan.lines.len());
+        let (seconds, before) = (plan.tour.figures.seconds, plan.lines.at.len());
         if plan.finish.far_over_share <= ENOUGH && lines >= before {
             return Ok(Draft { family, seconds, spread, allowed });
         }
@@ -139,20 +143,33 @@ impl Planner<'_> {
     }
 
     /// The plan of a draft, finely sampled, with the figures of stations on which it was not spaced. If it does not keep the scallop
-    /// height there, it is spaced on these too, and on many around high ones, and judged on others.
+    /// height there, it is spaced on these too, and on many around high ones. Its lines are in part where that is faster; then, or
+    /// spaced again, it is measured on further stations.
     pub(super) fn finished(&self, draft: Draft) -> Result<MilledPlan, NoPlan> {
         let Draft { family, spread, allowed, .. } = draft;
         let fine = Sampling::fine(&self.prepared.profile, CHORD_SHARE * self.settings.scallop_height.mm());
         let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, &Effort::PLAN)?;
         let unseen = (self.further)(Set::Unseen, None);
-        let plan = self.measured(&unseen, plan)?;
-        if plan.finish.far_over_share <= UNSEEN_ENOUGH {
-            return Ok(plan);
+        let mut plan = self.measured(&unseen, plan)?;
+        let is_kept = plan.finish.far_over_share <= UNSEEN_ENOUGH;
+        let mut seen: Vec<Station> = self.stations.iter().chain(&unseen).copied().collect();
+        if !is_kept {
+            seen.extend(self.near_high_places(&plan, &unseen));
+            plan = self.spaced(&seen, family, &spread, allowed, fine, &Effort::AGAIN)?.plan;
         }
-        let near = self.near_high_places(&plan, &unseen);
-        let both: Vec<Station> = self.stations.iter().copied().chain(unseen).chain(near).collect();
-        let Spaced { plan, .. } = self.spaced(&both, family, &spread, allowed, fine, &Effort::AGAIN)?;
-        self.measured(&(self.further)(Set::Last, None), plan)
+        if let Some(thinner) = self.thinned(&plan, &seen)? {
+            let last = (self.further)(Set::Last, None);
+            let thinner = self.measured(&last, thinner)?;
+            if thinner.finish.far_over_share <= UNSEEN_ENOUGH.max(plan.finish.far_over_share) {
+                return self.with_deepest_cut(&last, thinner);
+            }
+        }
+        if is_kept {
+            return self.with_deepest_cut(&unseen, plan);
+        }
+        let last = (self.further)(Set::Last, None);
+        let plan = self.measured(&last, plan)?;
+        self.with_deepest_cut(&last, plan)
     }
 
     /// Further stations around those of `stations` that a plan leaves high. A flat-end cutter on a curved surface leaves most in a
@@ -196,8 +213,8 @@ impl Planner<'_> {
             if runs.is_empty() {
                 return Err(NoPlan::NoRuns);
             }
-            let plan = self.judged_plan(stations, family, &lines, &runs)?;
-            let plan = self.with_missed_places(stations, plan, runs, effort)?;
+            let plan = self.judged_plan(stations, family, CutLines::whole(lines.clone()), runs, Order::ByLines)?;
+            let plan = self.with_missed_places(stations, plan, effort)?;
             // Where a few rounds do not keep the scallop height, places between the stations are the reason.
             let margin = if round <= *effort.rounds.start() { 0.995 } else { 0.97 };
             let of_round = allowed.clone();
@@ -215,13 +232,7 @@ impl Planner<'_> {
     }
 
     /// The plan with further runs over what its lines miss.
-    fn with_missed_places(
-        &self,
-        stations: &[Station],
-        mut plan: MilledPlan,
-        mut runs: Vec<Run>,
-        effort: &Effort,
-    ) -> Result<MilledPlan, NoPlan> {
+    pub(super) fn with_missed_places(&self, stations: &[Station], mut plan: MilledPlan, effort: &Effort) -> Result<MilledPlan, NoPlan> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         for beside in FURTHER_RUNS {
@@ -231,8 +242,9 @@ impl Planner<'_> {
             }
             let further = Missed::of(workpiece, prepared, &missed, beside, height, CHORD_SHARE * height, stop).runs();
             if !further.is_empty() {
+                let MilledPlan { family, lines, mut runs, order, .. } = plan;
                 runs.extend(further);
-                plan = self.judged_plan(stations, plan.family, &plan.lines, &runs)?;
+                plan = self.judged_plan(stations, family, lines, runs, order)?;
             }
         }
         Ok(plan)
@@ -256,25 +268,57 @@ impl Planner<'_> {
         }
     }
 
-    fn judged_plan(&self, stations: &[Station], family: Family, lines: &[f64], runs: &[Run]) -> Result<MilledPlan, NoPlan> {
+    fn judged_plan(
+        &self,
+        stations: &[Station],
+        family: Family,
+        lines: CutLines,
+        runs: Vec<Run>,
+        order: Order,
+    ) -> Result<MilledPlan, NoPlan> {
+        let Self { workpiece, prepared, settings, .. } = *self;
+        let tour = Tour::of(workpiece, prepared, settings, &runs, order, CHORD_SHARE * settings.scallop_height.mm());
+        self.judged_tour(stations, family, lines, runs, order, tour)
+    }
+
+    /// The plan of runs in a path, judged at stations.
+    pub(super) fn judged_tour(
+        &self,
+        stations: &[Station],
+        family: Family,
+        lines: CutLines,
+        runs: Vec<Run>,
+        order: Order,
+        tour: Tour,
+    ) -> Result<MilledPlan, NoPlan> {
+        let judged = self.judged(stations, &family, &tour)?;
+        let finish = FinishFigures::of(stations, &judged, self.settings.scallop_height.mm());
+        Ok(MilledPlan { family, lines, runs, order, tour, finish, judged })
+    }
+
+    /// What a path leaves at stations.
+    pub(super) fn judged(&self, stations: &[Station], family: &Family, tour: &Tour) -> Result<Vec<Judged>, NoPlan> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
-        let height = settings.scallop_height.mm();
-        let tour = Tour::of(workpiece, prepared, settings, runs, CHORD_SHARE * height);
         let milled = Milled::new(&prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
-        let judged = judged(workpiece, stations, prepared, &family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
-        let finish = FinishFigures::of(stations, &judged, height);
-        Ok(MilledPlan { family, lines: lines.to_vec(), tour, finish, judged })
+        judged(workpiece, stations, prepared, family, &milled, settings.scallop_height.mm(), stop).ok_or(NoPlan::Stopped)
     }
 
     /// A plan with the figures of further stations.
-    fn measured(&self, unseen: &[Station], plan: MilledPlan) -> Result<MilledPlan, NoPlan> {
-        let Self { workpiece, prepared, settings, stop, .. } = *self;
-        let height = settings.scallop_height.mm();
-        let milled = Milled::new(&prepared.profile, &plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
-        let judged = judged(workpiece, unseen, prepared, &plan.family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
-        let finish = FinishFigures::of(unseen, &judged, height);
-        let gouge = Length::computed(deepest_cut(workpiece, unseen, &judged, &milled).max(plan.finish.gouge.mm()));
+    fn measured(&self, stations: &[Station], plan: MilledPlan) -> Result<MilledPlan, NoPlan> {
+        let judged = self.judged(stations, &plan.family, &plan.tour)?;
+        let finish = FinishFigures::of(stations, &judged, self.settings.scallop_height.mm());
+        let gouge = Length::computed(finish.gouge.mm().max(plan.finish.gouge.mm()));
         Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, judged, ..plan })
+    }
+
+    /// A plan that was measured at these stations, with its deepest cut, and without its runs, which only further plans need.
+    fn with_deepest_cut(&self, stations: &[Station], mut plan: MilledPlan) -> Result<MilledPlan, NoPlan> {
+        let Self { workpiece, prepared, stop, .. } = *self;
+        let milled = Milled::new(&prepared.profile, &plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
+        let deepest = deepest_cut(workpiece, stations, &plan.judged, &milled);
+        plan.finish.gouge = Length::computed(deepest.max(plan.finish.gouge.mm()));
+        plan.runs = Vec::new();
+        Ok(plan)
     }
 }
 
@@ -311,5 +355,5 @@ fn rank_of(plan: &MilledPlan) -> f64 {
 /// Whether another round with `next` lines is worth its time after this one.
 #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
 fn is_worthwhile(this: &MilledPlan, next: usize, effort: &Effort) -> bool {
-    this.finish.far_over_share > effort.enough || (next as f64) < (1.0 - effort.spared) * this.lines.len() as f64
+    this.finish.far_over_share > effort.enough || (next as f64) < (1.0 - effort.spared) * this.lines.at.len() as f64
 }

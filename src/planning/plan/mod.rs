@@ -4,7 +4,7 @@
 //! stand. Lines are vertical planes, straight seen from above. For each candidate cutter, `stations` finds the tips that
 //! finish places drawn over the surface by `drawn_places`, and `estimate` the time of each direction from them. The best
 //! directions are planned: `spread` spaces the lines by what the stations allow, `runs` finds the tips along them,
-//! `missed` adds runs over what the lines miss, `order`, `link` and `tour` make them one path, and `judged` mills it and
+//! `missed` adds runs over what the lines miss, `thinned` leaves out stretches that are not needed, `order`, `link` and `tour` make them one path, and `judged` mills it and
 //! states what it leaves; `milled_plan` moves the lines until the scallop height is kept and used. `ranking` is the entry
 //! point, `plan_confidence` rates it, and `passes` lists the points of the path. All lengths are in mm, all times in s.
 
@@ -13,6 +13,7 @@ mod candidate;
 mod candidate_plan;
 mod cells;
 mod chain;
+mod cut_lines;
 mod deepest_cut;
 mod drawn_places;
 mod estimate;
@@ -40,6 +41,7 @@ mod spacing;
 mod spread;
 mod stations;
 mod tangent;
+mod thinned;
 mod tour;
 mod travel;
 mod workpiece;

@@ -37,11 +37,19 @@ impl Leg {
     }
 }
 
-/// The runs in an order with few lifts: from each run to the one on a neighbouring line whose end is nearest and within `near` mm, ahead
-/// before behind; where there is none, to the nearest end of all. One way, every run begins at its first tip.
+/// How the next run is chosen. Which of the two has the shorter links differs from part to part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    /// On a neighbouring line, the nearest end within reach, ahead before behind; where there is none, the nearest end of all.
+    ByLines,
+    /// The nearest end of all.
+    ByEnds,
+}
+
+/// The runs in an order with few lifts; links up to `near` mm may be on the surface. One way, every run begins at its first tip.
 ///
 /// `runs` are sorted by line; runs over what lines miss, without a line, follow.
-pub(super) fn in_order(runs: &[Run], pattern: Pattern, near: f64) -> Vec<Leg> {
+pub(super) fn in_order(runs: &[Run], by: Order, pattern: Pattern, near: f64) -> Vec<Leg> {
     let mut order = Vec::with_capacity(runs.len());
     if runs.is_empty() {
         return order;
@@ -54,7 +62,7 @@ pub(super) fn in_order(runs: &[Run], pattern: Pattern, near: f64) -> Vec<Leg> {
         open[leg.run] = false;
         order.push(leg);
         let from = leg.end(runs);
-        let neighbour = runs[leg.run].line.and_then(|line| {
+        let neighbour = runs[leg.run].line.filter(|_| by == Order::ByLines).and_then(|line| {
             let sides = if ahead { [line.checked_add(1), line.checked_sub(1)] } else { [line.checked_sub(1), line.checked_add(1)] };
             sides.into_iter().enumerate().find_map(|(turned, side)| {
                 let (leg, _) = nearest(runs, &open, lines.of_line(side?), pattern, from)?;

@@ -97,7 +97,7 @@ fn pass_point(
     let feed_per_tooth = prepared.range.map(|range| Length::computed(point.rate / range.teeth_per_second));
     let cut = point.of_run.and_then(|tip| {
         let target = tip.target.filter(|_| !stop())?;
-        let spacing = farther_line(&plan.lines, plan.family.number(tip.tip));
+        let spacing = plan.lines.farther_neighbour(&plan.family, tip.tip);
         let step_over = Length::computed(spacing / plan.family.ratio(&workpiece.tangents[target]));
         let (curvature, scallop_height) =
             height_at(workpiece, target, &plan.family, &prepared.candidate, settings, step_over, feed_per_tooth);
@@ -105,15 +105,6 @@ fn pass_point(
         Some(CutPoint { contact: tip.contact, normal, step_over, scallop_height, curvature })
     });
     PassPoint { tip: point.tip, kind: point.kind, cut, feed_per_tooth, feed_rate: Speed::computed(point.rate) }
-}
-
-/// The distance from a line to the farther of its neighbours; of a single line, its distance to the border is not known, and
-/// the distance is 0.
-fn farther_line(lines: &[f64], across: f64) -> f64 {
-    let nearest = lines.partition_point(|line| *line < across - 1e-6).min(lines.len().saturating_sub(1));
-    let gap = |from: usize, to: usize| lines.get(to).zip(lines.get(from)).map_or(0.0, |(to, from)| (to - from).abs());
-    let before = nearest.checked_sub(1).map_or(0.0, |before| gap(before, nearest));
-    before.max(gap(nearest, nearest + 1))
 }
 
 /// The curvature of a target in the axes of the feed, and the scallop height there.

@@ -1,7 +1,7 @@
 //! The path of a plan: its runs in order, with every link and lift between them as moves.
 
 use super::link::{Link, Linker};
-use super::order::in_order;
+use super::order::{Order, in_order};
 use super::prepared::Prepared;
 use super::runs::{Run, RunTip};
 use super::settings::PlanSettings;
@@ -56,9 +56,16 @@ pub(super) struct Tour {
 impl Tour {
     /// The path of runs, from the clearance height and back to it. Short links without steps stay on the surface where that is
     /// sooner than over the clearance height.
-    pub(super) fn of(workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, runs: &[Run], chord_tolerance: f64) -> Self {
+    pub(super) fn of(
+        workpiece: &Workpiece,
+        prepared: &Prepared,
+        settings: &PlanSettings,
+        runs: &[Run],
+        order: Order,
+        chord_tolerance: f64,
+    ) -> Self {
         let linker = Linker::new(workpiece, prepared, settings, chord_tolerance);
-        let runs: Vec<Vec<&RunTip>> = in_order(runs, settings.pattern, linker.near()).iter().map(|leg| leg.tips(runs)).collect();
+        let runs: Vec<Vec<&RunTip>> = in_order(runs, order, settings.pattern, linker.near()).iter().map(|leg| leg.tips(runs)).collect();
         let mut tour = Self::default();
         let Some((first, last)) = runs.first().and_then(|run| run.first()).zip(runs.last().and_then(|run| run.last())) else { return tour };
         let links: Vec<Link> = runs.par_windows(2).map(|pair| linker.between(&pair[0], &pair[1])).collect();

@@ -1,0 +1,133 @@
+//! The lines of a plan, whole or in part.
+
+use super::family::{Family, Heading};
+
+/// Lines of a family in order, and where they are cut.
+#[derive(Debug, Clone)]
+pub(super) struct CutLines {
+    /// The number of each line in its family: the distance across of planes, the height of levels.
+    pub(super) at: Vec<f64>,
+    /// Which parts of planes are cut; `None` for all.
+    parts: Option<Parts>,
+}
+
+#[derive(Debug, Clone)]
+struct Parts {
+    columns: Columns,
+    /// For each column whether each line is cut there.
+    is_cut: Vec<Vec<bool>>,
+}
+
+/// Columns of equal width across the lines of a direction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Columns {
+    pub(super) heading: Heading,
+    first: f64,
+    width: f64,
+    pub(super) count: usize,
+}
+
+impl Columns {
+    /// Columns about `width` mm wide over the places at these distances along the lines.
+    pub(super) fn over(heading: Heading, along: impl Iterator<Item = f64>, width: f64) -> Self {
+        let (first, last) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), along| (low.min(along), high.max(along)));
+        let length = (last - first).max(0.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, which saturates")]
+        let count = ((length / width).ceil() as usize).clamp(1, MOST_COLUMNS);
+        #[expect(clippy::cast_precision_loss, reason = "thousands")]
+        let width = (length / count as f64).max(f64::MIN_POSITIVE);
+        Self { heading, first, width, count }
+    }
+
+    /// The column of a distance along the lines; the outermost ones go on outwards.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the columns")]
+    pub(super) fn at(&self, along: f64) -> usize {
+        (((along - self.first) / self.width).max(0.0) as usize).min(self.count - 1)
+    }
+
+    /// A column and those beside it.
+    pub(super) fn around(&self, column: usize) -> std::ops::RangeInclusive<usize> {
+        column.saturating_sub(1)..=(column + 1).min(self.count - 1)
+    }
+
+    /// Where a column begins along the lines.
+    #[expect(clippy::cast_precision_loss, reason = "thousands")]
+    fn begin(&self, column: usize) -> f64 {
+        match column {
+            0 => f64::NEG_INFINITY,
+            _ if column == self.count => f64::INFINITY,
+            _ => self.first + column as f64 * self.width,
+        }
+    }
+}
+
+/// A matrix of columns and lines stays under some tens of megabytes.
+const MOST_COLUMNS: usize = 2048;
+
+impl CutLines {
+    pub(super) fn whole(at: Vec<f64>) -> Self {
+        Self { at, parts: None }
+    }
+
+    /// Lines that are cut in some columns each: `is_cut` by column and line. Gaps between them under `shortest` mm are cut too.
+    pub(super) fn in_part(at: Vec<f64>, columns: Columns, mut is_cut: Vec<Vec<bool>>, shortest: f64) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "thousands")]
+        let length = |columns_between: usize| columns_between as f64 * columns.width;
+        for line in 0..at.len() {
+            let mut last: Option<usize> = None;
+            for column in 0..columns.count {
+                if is_cut[column][line] {
+                    if let Some(last) = last.filter(|last| length(column - last - 1) < shortest) {
+                        is_cut[last + 1..column].iter_mut().for_each(|is_cut| is_cut[line] = true);
+                    }
+                    last = Some(column);
+                }
+            }
+        }
+        Self { at, parts: Some(Parts { columns, is_cut }) }
+    }
+
+    /// The stretches along a line over which it is cut.
+    pub(super) fn stretches(&self, line: usize) -> Vec<[f64; 2]> {
+        let Some(Parts { columns, is_cut }) = &self.parts else { return vec![[f64::NEG_INFINITY, f64::INFINITY]] };
+        let (mut stretches, mut begin) = (Vec::new(), None);
+        for column in 0..=columns.count {
+            match (begin, is_cut.get(column).is_some_and(|is_cut| is_cut[line])) {
+                (None, true) => begin = Some(column),
+                (Some(first), false) => {
+                    stretches.push([first, column].map(|column| columns.begin(column)));
+                    begin = None;
+                }
+                _ => {}
+            }
+        }
+        stretches
+    }
+
+    /// The distances between neighbouring lines where they are cut.
+    pub(super) fn spacings(&self) -> Vec<f64> {
+        let gaps = |lines: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+            let mut last: Option<f64> = None;
+            lines.filter_map(|line| last.replace(line).map(|last| line - last)).collect()
+        };
+        match &self.parts {
+            None => gaps(&mut self.at.iter().copied()),
+            Some(parts) => {
+                let of_column =
+                    |is_cut: &Vec<bool>| gaps(&mut self.at.iter().zip(is_cut).filter(|(_, is_cut)| **is_cut).map(|(at, _)| *at));
+                parts.is_cut.iter().flat_map(of_column).collect()
+            }
+        }
+    }
+
+    /// The distance from the line through a tip to the farther of its neighbours there; that of a single line to the border is not
+    /// known, and 0.
+    pub(super) fn farther_neighbour(&self, family: &Family, tip: [f64; 3]) -> f64 {
+        let number = family.number(tip);
+        let nearest = self.at.partition_point(|line| *line < number - 1e-6).min(self.at.len().saturating_sub(1));
+        let column = self.parts.as_ref().map(|parts| &parts.is_cut[parts.columns.at(parts.columns.heading.of_point([tip[0], tip[1]])[0])]);
+        let is_cut = |line: &usize| column.is_none_or(|is_cut| is_cut[*line]);
+        let distance = |other: Option<usize>| other.map_or(0.0, |other| (self.at[other] - self.at[nearest]).abs());
+        distance((0..nearest).rev().find(is_cut)).max(distance((nearest + 1..self.at.len()).find(is_cut)))
+    }
+}

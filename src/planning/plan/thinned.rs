@@ -1,0 +1,252 @@
+//! Lines in part: a stretch of a line is left out where the lines beside it suffice and the path becomes shorter in time.
+//!
+//! Lines are as close as the worst place between them asks, and along most of their length the others ask for less. Which
+//! stretches are needed follows from what each place allows; what the path then leaves is milled, and stretches come back beside
+//! each place that is worse than before.
+
+use super::cut_lines::{Columns, CutLines};
+use super::family::{Family, Heading};
+use super::judged::Judged;
+use super::milled_plan::{CHORD_SHARE, Effort, MilledPlan, NoPlan, Planner};
+use super::order::Order;
+use super::prepared::Prepared;
+use super::runs::{Run, RunTip, target_under};
+use super::spread::Spread;
+use super::stations::Station;
+use super::tour::Tour;
+use super::workpiece::Workpiece;
+use crate::numerics::vector::mixed;
+use rayon::prelude::*;
+
+/// The width of a column, in which a line is cut or not, in radii of the cutter.
+const COLUMN_IN_RADII: f64 = 0.5;
+
+/// The share of the spacing that a place allows by its slope and curvature up to which lines beside it suffice.
+const SURE: f64 = 0.95;
+
+/// The shortest gaps that are left in lines, in radii of the cutter: shorter ones spare more, and ask for more runs and links. With
+/// the last, runs only end earlier.
+const SHORTEST_GAPS: [f64; 4] = [1.5, 3.0, 6.0, f64::INFINITY];
+
+/// The share of the time of whole lines that lines in part may take to be worth their own.
+const WORTHWHILE: f64 = 0.97;
+
+/// The rounds in which stretches come back.
+const MOST_ROUNDS: usize = 4;
+
+/// The share of the area up to which what is worse than before is finished by further runs, and up to which it may stay.
+const FEW: f64 = 0.01;
+const WORSE: f64 = 0.001;
+
+/// By how many scallop heights a place that is over the scallop height is worse than before.
+const WORSE_BY: f64 = 0.05;
+
+impl Planner<'_> {
+    /// The plan with its lines in part; `None` where that saves next to nothing, and for level curves.
+    pub(super) fn thinned(&self, plan: &MilledPlan, stations: &[Station]) -> Result<Option<MilledPlan>, NoPlan> {
+        let Family::Planes(heading) = plan.family else { return Ok(None) };
+        let spread = Spread::new(self.workpiece, stations, self.prepared, &plan.family, self.settings.scallop_height.mm());
+        let mut thinning = Thinning::new(heading, &plan.lines.at, &spread, self.prepared.profile.outer_radius());
+        let Some(mut thinner) = self.fastest(&thinning, plan, &SHORTEST_GAPS) else { return Ok(None) };
+        let limits = self.limits(plan, stations)?;
+        for round in 1..=MOST_ROUNDS {
+            let Thinner { gap, lines, runs, order, tour } = thinner;
+            let in_part = self.judged_tour(stations, plan.family, lines, runs, order, tour)?;
+            let worse = Worse::of(stations, &in_part.judged, &limits);
+            if worse.share <= FEW || round == MOST_ROUNDS {
+                let in_part = self.with_missed_places(stations, in_part, &Effort::PLAN)?;
+                if Worse::of(stations, &in_part.judged, &limits).share <= WORSE && is_worthwhile(&in_part.tour, plan) {
+                    return Ok(Some(in_part));
+                }
+            }
+            thinning.demand(&worse.places);
+            match self.fastest(&thinning, plan, &[gap]) {
+                Some(next) => thinner = next,
+                None => return Ok(None),
+            }
+        }
+        Ok(None)
+    }
+
+    /// The lines in part with one of these gaps that take the least time; `None` if that is not worthwhile.
+    fn fastest(&self, thinning: &Thinning<'_>, plan: &MilledPlan, gaps: &[f64]) -> Option<Thinner> {
+        let Self { workpiece, prepared, settings, .. } = *self;
+        let chord_tolerance = CHORD_SHARE * settings.scallop_height.mm();
+        let knife = Knife { workpiece, prepared, heading: thinning.columns.heading, chord_tolerance };
+        let with_gaps = |&gap: &f64| {
+            let lines = thinning.lines(gap * prepared.profile.outer_radius());
+            let runs: Vec<Run> = plan.runs.par_iter().flat_map_iter(|run| knife.parts(run, &lines)).collect();
+            [Order::ByLines, Order::ByEnds].map(|order| {
+                let tour = Tour::of(workpiece, prepared, settings, &runs, order, chord_tolerance);
+                Thinner { gap, lines: lines.clone(), runs: runs.clone(), order, tour }
+            })
+        };
+        let fastest = gaps.iter().flat_map(with_gaps).min_by(|a, b| a.tour.figures.seconds.total_cmp(&b.tour.figures.seconds));
+        fastest.filter(|thinner| is_worthwhile(&thinner.tour, plan))
+    }
+
+    /// The height in mm that each station may be left with to be no worse than in a plan: what the plan leaves, or the scallop
+    /// height, over what the cutter cannot reach.
+    fn limits(&self, plan: &MilledPlan, stations: &[Station]) -> Result<Vec<f64>, NoPlan> {
+        let height = self.settings.scallop_height.mm();
+        let limit = |(station, judged): (&Station, &Judged)| {
+            let least = if station.lift > height { station.lift + height } else { height };
+            judged.material().max(least) + WORSE_BY * height
+        };
+        Ok(stations.iter().zip(&self.judged(stations, &plan.family, &plan.tour)?).map(limit).collect())
+    }
+}
+
+fn is_worthwhile(tour: &Tour, plan: &MilledPlan) -> bool {
+    tour.figures.seconds <= WORTHWHILE * plan.tour.figures.seconds
+}
+
+/// Lines in part that leave out all gaps of at least `gap` radii of the cutter, and the path over them.
+struct Thinner {
+    gap: f64,
+    lines: CutLines,
+    runs: Vec<Run>,
+    order: Order,
+    tour: Tour,
+}
+
+/// The stations over their limits, and their share of the area.
+struct Worse<'a> {
+    places: Vec<&'a Station>,
+    share: f64,
+}
+
+impl<'a> Worse<'a> {
+    fn of(stations: &'a [Station], judged: &[Judged], limits: &[f64]) -> Self {
+        let judged = judged.iter().zip(limits);
+        let worse = stations.iter().zip(judged).filter(|(_, (judged, limit))| judged.material() > **limit);
+        let places: Vec<&Station> = worse.map(|(station, _)| station).collect();
+        let [area, of_worse] =
+            [stations.iter().map(|station| station.place.area).sum(), places.iter().map(|station| station.place.area).sum::<f64>()];
+        Self { places, share: if area > 0.0 { of_worse / area } else { 0.0 } }
+    }
+}
+
+/// What cuts runs into parts.
+struct Knife<'a> {
+    workpiece: &'a Workpiece,
+    prepared: &'a Prepared,
+    heading: Heading,
+    chord_tolerance: f64,
+}
+
+impl Knife<'_> {
+    /// The parts of a run over the stretches of its line that are cut.
+    fn parts(&self, run: &Run, lines: &CutLines) -> Vec<Run> {
+        let Some(line) = run.line else { return vec![run.clone()] };
+        let along = |tip: &RunTip| self.heading.of_point([tip.tip[0], tip.tip[1]])[0];
+        let mut parts = Vec::new();
+        for [from, to] in lines.stretches(line) {
+            let mut tips: Vec<RunTip> = Vec::new();
+            for (index, tip) in run.tips.iter().enumerate() {
+                let at = along(tip);
+                if let Some(before) = index.checked_sub(1).map(|before| &run.tips[before]) {
+                    let start = along(before);
+                    let ends = [from, to].into_iter().filter(|end| start < *end && *end < at);
+                    tips.extend(ends.map(|end| self.tip_between(before, tip, (end - start) / (at - start))));
+                }
+                if (from..=to).contains(&at) {
+                    tips.push(*tip);
+                }
+            }
+            if tips.len() > 1 {
+                parts.push(Run::along_curve(run.line, tips, false));
+            }
+        }
+        parts
+    }
+
+    /// The tip at a share of the way from one tip to another.
+    fn tip_between(&self, from: &RunTip, to: &RunTip, share: f64) -> RunTip {
+        let tip = mixed(from.tip, to.tip, share);
+        let axis = [tip[0], tip[1]];
+        let touch = self.workpiece.drop.drop(&self.prepared.profile, axis[0], axis[1], None);
+        let target = touch.as_ref().and_then(|touch| target_under(self.workpiece, self.prepared, axis, touch, self.chord_tolerance));
+        RunTip { tip, target, contact: touch.map_or(to.contact, |touch| touch.contact.into()) }
+    }
+}
+
+/// Which lines each column needs.
+struct Thinning<'a> {
+    lines: &'a [f64],
+    columns: Columns,
+    needs: Vec<Needs>,
+}
+
+/// What a column needs.
+#[derive(Debug, Clone)]
+struct Needs {
+    /// Where its places and those of the columns beside it are across, and the spacing that each allows, in order.
+    places: Vec<[f64; 2]>,
+    /// The strips that need both of their lines, each by the line after it.
+    strips: Vec<bool>,
+}
+
+impl<'a> Thinning<'a> {
+    fn new(heading: Heading, lines: &'a [f64], spread: &Spread, radius: f64) -> Self {
+        let columns = Columns::over(heading, spread.seen.iter().map(|seen| seen.along), COLUMN_IN_RADII * radius);
+        let mut needs = vec![Needs { places: Vec::new(), strips: vec![false; lines.len() + 1] }; columns.count];
+        // The spread is in order across the lines.
+        for seen in &spread.seen {
+            for column in columns.around(columns.at(seen.along)) {
+                needs[column].places.push([seen.across, SURE * seen.squared.sqrt()]);
+            }
+        }
+        Self { lines, columns, needs }
+    }
+
+    /// From now on both lines beside these places are needed there.
+    fn demand(&mut self, stations: &[&Station]) {
+        for station in stations {
+            let [along, across] = self.columns.heading.of_point(station.axis);
+            let strip = self.lines.partition_point(|line| *line <= across);
+            for column in self.columns.around(self.columns.at(along)) {
+                self.needs[column].strips[strip] = true;
+            }
+        }
+    }
+
+    /// The lines where they are needed; gaps under `shortest` mm are cut too.
+    fn lines(&self, shortest: f64) -> CutLines {
+        let is_cut = self.needs.iter().map(|needs| needs.lines(self.lines)).collect();
+        CutLines::in_part(self.lines.to_vec(), self.columns, is_cut, shortest)
+    }
+}
+
+impl Needs {
+    /// Whether each line is needed: from one needed line to the next, as many as possible are left out.
+    fn lines(&self, lines: &[f64]) -> Vec<bool> {
+        let mut needed = vec![false; lines.len()];
+        let mut last: Option<usize> = None;
+        // The places from the last needed line on.
+        let mut places = &self.places[..];
+        for line in 0..=lines.len() {
+            // Without the line before this one, or before the border, everything since the last needed one has to suffice.
+            let next = Some(line).filter(|line| *line < lines.len());
+            let first = last.map_or(0, |last| last + 1);
+            let between = &places[..next.map_or(places.len(), |next| places.partition_point(|[across, _]| *across < lines[next]))];
+            let suffices = !self.strips[first..=line].contains(&true) && between.iter().all(|place| is_finished(place, last, next, lines));
+            if line > first && !suffices {
+                let needed_line = line - 1;
+                needed[needed_line] = true;
+                last = Some(needed_line);
+                places = &places[places.partition_point(|[across, _]| *across < lines[needed_line])..];
+            }
+        }
+        needed
+    }
+}
+
+/// Whether two lines finish a place between them, or one a place beyond it.
+fn is_finished([across, spacing]: &[f64; 2], before: Option<usize>, after: Option<usize>, lines: &[f64]) -> bool {
+    match (before, after) {
+        (Some(before), Some(after)) => lines[after] - lines[before] <= *spacing,
+        (Some(line), None) | (None, Some(line)) => 2.0 * (lines[line] - across).abs() <= *spacing,
+        (None, None) => false,
+    }
+}
