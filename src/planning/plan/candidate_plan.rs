@@ -84,7 +84,7 @@ impl MilledFigures {
         let width = (high[0] - low[0]).hypot(high[1] - low[1]).min(2.0 * prepared.profile.outer_radius());
         Self {
             tour,
-            lines: plan.lines.at.len(),
+            lines: plan.lines.count(),
             step_over: SpacingFigures::of(plan.lines.spacings(), width),
             feed_rate: Speed::computed(rate),
             feed_per_tooth: prepared.range.map(|range| Length::computed(rate / range.teeth_per_second)),

@@ -87,6 +87,14 @@ impl CutLines {
         Self { at, parts: Some(Parts { columns, is_cut }) }
     }
 
+    /// The number of lines that are cut anywhere.
+    pub(super) fn count(&self) -> usize {
+        match &self.parts {
+            None => self.at.len(),
+            Some(parts) => (0..self.at.len()).filter(|line| parts.is_cut.iter().any(|is_cut| is_cut[*line])).count(),
+        }
+    }
+
     /// The stretches along a line over which it is cut.
     pub(super) fn stretches(&self, line: usize) -> Vec<[f64; 2]> {
         let Some(Parts { columns, is_cut }) = &self.parts else { return vec![[f64::NEG_INFINITY, f64::INFINITY]] };
@@ -129,5 +137,39 @@ impl CutLines {
         let is_cut = |line: &usize| column.is_none_or(|is_cut| is_cut[*line]);
         let distance = |other: Option<usize>| other.map_or(0.0, |other| (self.at[other] - self.at[nearest]).abs());
         distance((0..nearest).rev().find(is_cut)).max(distance((nearest + 1..self.at.len()).find(is_cut)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three lines 1 mm apart along X, over six columns 2 mm wide; the middle one is cut in the columns 0, 2, 5.
+    fn lines(shortest: f64) -> CutLines {
+        let columns = Columns::over(Heading::of(0.0), [0.0, 12.0].into_iter(), 2.0);
+        let is_cut = [0, 1, 2, 3, 4, 5].map(|column| vec![true, [0, 2, 5].contains(&column), true]);
+        CutLines::in_part(vec![0.0, 1.0, 2.0], columns, is_cut.to_vec(), shortest)
+    }
+
+    #[test]
+    fn short_gaps_are_cut_and_the_outermost_stretches_go_on() {
+        let ends = |shortest: f64| lines(shortest).stretches(1);
+        assert_eq!(ends(1.0), [[f64::NEG_INFINITY, 2.0], [4.0, 6.0], [10.0, f64::INFINITY]]);
+        assert_eq!(ends(3.0), [[f64::NEG_INFINITY, 6.0], [10.0, f64::INFINITY]]);
+        assert_eq!(ends(5.0), [[f64::NEG_INFINITY, f64::INFINITY]]);
+        assert_eq!(CutLines::whole(vec![0.0, 1.0, 2.0]).stretches(1), [[f64::NEG_INFINITY, f64::INFINITY]]);
+    }
+
+    #[test]
+    fn neighbours_are_those_that_are_cut_beside_a_place() {
+        let (lines, family) = (lines(3.0), Family::Planes(Heading::of(0.0)));
+        let farther = |x: f64, y: f64| lines.farther_neighbour(&family, [x, y, 0.0]);
+        // The middle line is cut up to 6 mm.
+        for (x, y, distance) in [(1.0, 0.0, 1.0), (7.0, 0.0, 2.0), (7.0, 2.0, 2.0), (11.0, 2.0, 1.0)] {
+            assert!((farther(x, y) - distance).abs() < 1e-12, "{x}, {y}");
+        }
+        // Two columns have the outer lines alone, four have all three.
+        assert_eq!(lines.spacings().len(), 2 + 4 * 2);
+        assert!(CutLines::whole(vec![3.0]).farther_neighbour(&family, [0.0, 3.0, 0.0]).abs() < 1e-12);
     }
 }

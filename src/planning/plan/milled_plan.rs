@@ -31,7 +31,7 @@ pub(super) const CHORD_SHARE: f64 = 0.1;
 
 /// How long the lines of a plan are moved.
 #[derive(Debug, Clone)]
-pub(super) struct Effort {
+struct Effort {
     /// The fewest and the most rounds. After the fewest, another one follows while the scallop height is not kept.
     rounds: RangeInclusive<usize>,
     /// The share of the lines that another round must spare to be worth its time.
@@ -44,7 +44,7 @@ pub(super) struct Effort {
 
 impl Effort {
     const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, enough: ENOUGH, missed: ENOUGH };
-    pub(super) const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, enough: ENOUGH, missed: 0.0 };
+    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, enough: ENOUGH, missed: 0.0 };
     /// For a plan that does not keep the scallop height where it was not spaced.
     const AGAIN: Self = Self { rounds: 2..=4, spared: 0.02, enough: UNSEEN_ENOUGH, missed: 0.0 };
 }
@@ -214,7 +214,7 @@ impl Planner<'_> {
                 return Err(NoPlan::NoRuns);
             }
             let plan = self.judged_plan(stations, family, CutLines::whole(lines.clone()), runs, Order::ByLines)?;
-            let plan = self.with_missed_places(stations, plan, effort)?;
+            let plan = self.with_missed_places(stations, plan, effort.missed)?;
             // Where a few rounds do not keep the scallop height, places between the stations are the reason.
             let margin = if round <= *effort.rounds.start() { 0.995 } else { 0.97 };
             let of_round = allowed.clone();
@@ -231,13 +231,13 @@ impl Planner<'_> {
         best.ok_or(NoPlan::NoRuns)
     }
 
-    /// The plan with further runs over what its lines miss.
-    pub(super) fn with_missed_places(&self, stations: &[Station], mut plan: MilledPlan, effort: &Effort) -> Result<MilledPlan, NoPlan> {
+    /// The plan with further runs over what its lines miss, if that is more than the share `least` of the area.
+    pub(super) fn with_missed_places(&self, stations: &[Station], mut plan: MilledPlan, least: f64) -> Result<MilledPlan, NoPlan> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         for beside in FURTHER_RUNS {
             let missed = missed(stations, &plan.judged, &plan.family, height);
-            if missed.iter().map(|missed| missed.share).sum::<f64>() <= effort.missed {
+            if missed.iter().map(|missed| missed.share).sum::<f64>() <= least {
                 break;
             }
             let further = Missed::of(workpiece, prepared, &missed, beside, height, CHORD_SHARE * height, stop).runs();

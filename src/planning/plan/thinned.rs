@@ -7,7 +7,7 @@
 use super::cut_lines::{Columns, CutLines};
 use super::family::{Family, Heading};
 use super::judged::Judged;
-use super::milled_plan::{CHORD_SHARE, Effort, MilledPlan, NoPlan, Planner};
+use super::milled_plan::{CHORD_SHARE, MilledPlan, NoPlan, Planner};
 use super::order::Order;
 use super::prepared::Prepared;
 use super::runs::{Run, RunTip, target_under};
@@ -30,6 +30,9 @@ const SHORTEST_GAPS: [f64; 4] = [1.5, 3.0, 6.0, f64::INFINITY];
 
 /// The share of the time of whole lines that lines in part may take to be worth their own.
 const WORTHWHILE: f64 = 0.97;
+
+/// The most runs that are also ordered by their ends, for which each is compared with all others.
+const MOST_BY_ENDS: usize = 5_000;
 
 /// The rounds in which stretches come back.
 const MOST_ROUNDS: usize = 4;
@@ -54,12 +57,15 @@ impl Planner<'_> {
             let in_part = self.judged_tour(stations, plan.family, lines, runs, order, tour)?;
             let worse = Worse::of(stations, &in_part.judged, &limits);
             if worse.share <= FEW || round == MOST_ROUNDS {
-                let in_part = self.with_missed_places(stations, in_part, &Effort::PLAN)?;
+                let in_part = self.with_missed_places(stations, in_part, 0.0)?;
                 if Worse::of(stations, &in_part.judged, &limits).share <= WORSE && is_worthwhile(&in_part.tour, plan) {
                     return Ok(Some(in_part));
                 }
             }
             thinning.demand(&worse.places);
+            if (self.stop)() {
+                return Err(NoPlan::Stopped);
+            }
             match self.fastest(&thinning, plan, &[gap]) {
                 Some(next) => thinner = next,
                 None => return Ok(None),
@@ -70,18 +76,19 @@ impl Planner<'_> {
 
     /// The lines in part with one of these gaps that take the least time; `None` if that is not worthwhile.
     fn fastest(&self, thinning: &Thinning<'_>, plan: &MilledPlan, gaps: &[f64]) -> Option<Thinner> {
-        let Self { workpiece, prepared, settings, .. } = *self;
+        let Self { workpiece, prepared, settings, stop, .. } = *self;
         let chord_tolerance = CHORD_SHARE * settings.scallop_height.mm();
         let knife = Knife { workpiece, prepared, heading: thinning.columns.heading, chord_tolerance };
         let with_gaps = |&gap: &f64| {
             let lines = thinning.lines(gap * prepared.profile.outer_radius());
             let runs: Vec<Run> = plan.runs.par_iter().flat_map_iter(|run| knife.parts(run, &lines)).collect();
-            [Order::ByLines, Order::ByEnds].map(|order| {
-                let tour = Tour::of(workpiece, prepared, settings, &runs, order, chord_tolerance);
-                Thinner { gap, lines: lines.clone(), runs: runs.clone(), order, tour }
-            })
+            let in_order = |order: Order| (order, Tour::of(workpiece, prepared, settings, &runs, order, chord_tolerance));
+            let by_ends = (runs.len() <= MOST_BY_ENDS).then(|| in_order(Order::ByEnds));
+            let (order, tour) = faster(in_order(Order::ByLines), by_ends, |(_, tour)| tour);
+            Thinner { gap, lines, runs, order, tour }
         };
-        let fastest = gaps.iter().flat_map(with_gaps).min_by(|a, b| a.tour.figures.seconds.total_cmp(&b.tour.figures.seconds));
+        let all = gaps.iter().take_while(|_| !stop()).map(with_gaps);
+        let fastest = all.reduce(|best, other| faster(best, Some(other), |thinner| &thinner.tour));
         fastest.filter(|thinner| is_worthwhile(&thinner.tour, plan))
     }
 
@@ -99,6 +106,14 @@ impl Planner<'_> {
 
 fn is_worthwhile(tour: &Tour, plan: &MilledPlan) -> bool {
     tour.figures.seconds <= WORTHWHILE * plan.tour.figures.seconds
+}
+
+/// The one whose path takes less time.
+fn faster<T>(one: T, other: Option<T>, tour: impl Fn(&T) -> &Tour) -> T {
+    match other {
+        Some(other) if tour(&other).figures.seconds < tour(&one).figures.seconds => other,
+        _ => one,
+    }
 }
 
 /// Lines in part that leave out all gaps of at least `gap` radii of the cutter, and the path over them.
@@ -248,5 +263,56 @@ fn is_finished([across, spacing]: &[f64; 2], before: Option<usize>, after: Optio
         (Some(before), Some(after)) => lines[after] - lines[before] <= *spacing,
         (Some(line), None) | (None, Some(line)) => 2.0 * (lines[line] - across).abs() <= *spacing,
         (None, None) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn needs(places: &[[f64; 2]], lines: usize, demanded: &[usize]) -> Needs {
+        let mut places = places.to_vec();
+        places.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        Needs { places, strips: (0..=lines).map(|strip| demanded.contains(&strip)).collect() }
+    }
+
+    #[test]
+    fn lines_are_left_out_where_all_places_between_the_others_allow_it() {
+        let lines: Vec<f64> = (0..9).map(f64::from).collect();
+        let needed = |places: &[[f64; 2]], demanded: &[usize]| -> Vec<usize> {
+            let needed = needs(places, lines.len(), demanded).lines(&lines);
+            (0..lines.len()).filter(|line| needed[*line]).collect()
+        };
+        let level: Vec<[f64; 2]> = (0..81).map(|place| [0.1 * f64::from(place), 4.0]).collect();
+        // Half a spacing from the borders, and a spacing apart.
+        assert_eq!(needed(&level, &[]), [2, 6]);
+        // A place between the lines 4 and 5 that needs both, and a strip that does.
+        let with_ridge = [&level[..], &[[4.5, 1.0]]].concat();
+        assert_eq!(needed(&with_ridge, &[]), [2, 4, 5, 8]);
+        assert_eq!(needed(&level, &[5]), [2, 4, 5, 8]);
+        // Without places, without lines.
+        assert_eq!(needed(&[], &[]), [0_usize; 0]);
+    }
+
+    proptest! {
+        /// Where all lines finish all places, so do those that are needed.
+        #[test]
+        fn needed_lines_finish_all_places(
+            places in proptest::collection::vec((0.0..20.0_f64, 1.0..9.0_f64), 0..40),
+            demanded in proptest::collection::vec(0_usize..=20, 0..3),
+        ) {
+            let lines: Vec<f64> = (0..20).map(|line| f64::from(line) + 0.5).collect();
+            let places: Vec<[f64; 2]> = places.into_iter().map(|(across, spacing)| [across, spacing]).collect();
+            let needed = needs(&places, lines.len(), &demanded).lines(&lines);
+            for place in &places {
+                let next = lines.partition_point(|line| *line <= place[0]);
+                let (before, after) = ((0..next).rev().find(|line| needed[*line]), (next..lines.len()).find(|line| needed[*line]));
+                prop_assert!(is_finished(place, before, after, &lines), "{place:?} between {before:?} and {after:?}");
+            }
+            for strip in demanded {
+                prop_assert!([strip.checked_sub(1), Some(strip)].into_iter().flatten().filter(|line| *line < 20).all(|line| needed[line]));
+            }
+        }
     }
 }
