@@ -199,8 +199,8 @@ enum CutterKindName {
 }
 
 answer! {
-    /// Times by direction. The fastest one's is that of its path, those of at most two more are of drafts, and the others are
-    /// estimates, each independent of which directions were asked for.
+    /// Times by direction. The fastest one's is that of its path, those of at most two more are of drafts with whole lines, and the
+    /// others are estimates of such, each independent of which directions were asked for.
     #[derive(Clone)]
     struct ByDirection of (plan: &CandidatePlan) {
         /// The directions.

@@ -28,12 +28,12 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Columns about `width` mm wide over the places at these distances along the lines.
-    pub(super) fn over(heading: Heading, along: impl Iterator<Item = f64>, width: f64) -> Self {
+    /// Columns about `width` mm wide over the places at these distances along some lines.
+    pub(super) fn over(heading: Heading, along: impl Iterator<Item = f64>, width: f64, lines: usize) -> Self {
         let (first, last) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), along| (low.min(along), high.max(along)));
         let length = (last - first).max(0.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count, which saturates")]
-        let count = ((length / width).ceil() as usize).clamp(1, MOST_COLUMNS);
+        let count = ((length / width).ceil() as usize).clamp(1, (MOST_CELLS / lines.max(1)).max(1));
         #[expect(clippy::cast_precision_loss, reason = "thousands")]
         let width = (length / count as f64).max(f64::MIN_POSITIVE);
         Self { heading, first, width, count }
@@ -61,8 +61,8 @@ impl Columns {
     }
 }
 
-/// A matrix of columns and lines stays under some tens of megabytes.
-const MOST_COLUMNS: usize = 2048;
+/// The most cells of columns and lines, a byte each. Where there are more, columns are wider.
+const MOST_CELLS: usize = 4_000_000;
 
 impl CutLines {
     pub(super) fn whole(at: Vec<f64>) -> Self {
@@ -146,7 +146,7 @@ mod tests {
 
     /// Three lines 1 mm apart along X, over six columns 2 mm wide; the middle one is cut in the columns 0, 2, 5.
     fn lines(shortest: f64) -> CutLines {
-        let columns = Columns::over(Heading::of(0.0), [0.0, 12.0].into_iter(), 2.0);
+        let columns = Columns::over(Heading::of(0.0), [0.0, 12.0].into_iter(), 2.0, 3);
         let is_cut = [0, 1, 2, 3, 4, 5].map(|column| vec![true, [0, 2, 5].contains(&column), true]);
         CutLines::in_part(vec![0.0, 1.0, 2.0], columns, is_cut.to_vec(), shortest)
     }

@@ -204,7 +204,7 @@ struct Needs {
 
 impl<'a> Thinning<'a> {
     fn new(heading: Heading, lines: &'a [f64], spread: &Spread, radius: f64) -> Self {
-        let columns = Columns::over(heading, spread.seen.iter().map(|seen| seen.along), COLUMN_IN_RADII * radius);
+        let columns = Columns::over(heading, spread.seen.iter().map(|seen| seen.along), COLUMN_IN_RADII * radius, lines.len());
         let mut needs = vec![Needs { places: Vec::new(), strips: vec![false; lines.len() + 1] }; columns.count];
         // The spread is in order across the lines.
         for seen in &spread.seen {
