@@ -3,7 +3,7 @@
 use super::family::{Family, Heading};
 
 /// Lines of a family in order, and where they are cut.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct CutLines {
     /// The number of each line in its family: the distance across of planes, the height of levels.
     pub(super) at: Vec<f64>,
@@ -11,7 +11,7 @@ pub(super) struct CutLines {
     parts: Option<Parts>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 struct Parts {
     columns: Columns,
     /// For each column whether each line is cut there.
@@ -19,7 +19,7 @@ struct Parts {
 }
 
 /// Columns of equal width across the lines of a direction.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Columns {
     pub(super) heading: Heading,
     first: f64,

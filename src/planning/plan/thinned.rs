@@ -79,15 +79,17 @@ impl Planner<'_> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
         let chord_tolerance = CHORD_SHARE * settings.scallop_height.mm();
         let knife = Knife { workpiece, prepared, heading: thinning.columns.heading, chord_tolerance };
-        let with_gaps = |&gap: &f64| {
-            let lines = thinning.lines(gap * prepared.profile.outer_radius());
+        let with_gaps = |&gap: &f64| (gap, thinning.lines(gap * prepared.profile.outer_radius()));
+        let mut all: Vec<(f64, CutLines)> = gaps.iter().map(with_gaps).collect();
+        all.dedup_by(|one, other| one.1 == other.1);
+        let with_path = |(gap, lines): (f64, CutLines)| {
             let runs: Vec<Run> = plan.runs.par_iter().flat_map_iter(|run| knife.parts(run, &lines)).collect();
             let in_order = |order: Order| (order, Tour::of(workpiece, prepared, settings, &runs, order, chord_tolerance));
             let by_ends = (runs.len() <= MOST_BY_ENDS).then(|| in_order(Order::ByEnds));
             let (order, tour) = faster(in_order(Order::ByLines), by_ends, |(_, tour)| tour);
             Thinner { gap, lines, runs, order, tour }
         };
-        let all = gaps.iter().take_while(|_| !stop()).map(with_gaps);
+        let all = all.into_iter().take_while(|_| !stop()).map(with_path);
         let fastest = all.reduce(|best, other| faster(best, Some(other), |thinner| &thinner.tour));
         fastest.filter(|thinner| is_worthwhile(&thinner.tour, plan))
     }
