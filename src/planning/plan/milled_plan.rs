@@ -58,6 +58,9 @@ const ENOUGH: f64 = 0.002;
 /// The share up to which it counts as kept on stations on which lines were not spaced.
 const UNSEEN_ENOUGH: f64 = 0.003;
 
+/// The error of such a share on other stations.
+const STANDARD_ERROR: f64 = 0.0005;
+
 /// Runs over what a path misses are added in steps, each with the distance from walls in radii of the cutter: first against walls, then
 /// beside them. After each step what is still missed is known.
 const FURTHER_RUNS: [f64; 5] = [0.02, 0.02, 0.25, 0.25, 0.25];
@@ -160,7 +163,7 @@ impl Planner<'_> {
         if let Some(thinner) = self.thinned(&plan, &seen)? {
             let last = (self.further)(Set::Last, None);
             let thinner = self.measured(&last, thinner)?;
-            if thinner.finish.far_over_share <= UNSEEN_ENOUGH.max(plan.finish.far_over_share) {
+            if thinner.finish.far_over_share <= UNSEEN_ENOUGH.max(plan.finish.far_over_share) + STANDARD_ERROR {
                 return self.with_deepest_cut(&last, thinner);
             }
         }
