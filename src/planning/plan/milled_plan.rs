@@ -294,22 +294,23 @@ impl Planner<'_> {
         order: Order,
         tour: Tour,
     ) -> Result<MilledPlan, NoPlan> {
-        let judged = self.judged(stations, &family, &tour)?;
-        let finish = FinishFigures::of(stations, &judged, self.settings.scallop_height.mm());
+        let (judged, finish) = self.judged(stations, &family, &tour)?;
         Ok(MilledPlan { family, lines, runs, order, tour, finish, judged })
     }
 
     /// What a path leaves at stations.
-    pub(super) fn judged(&self, stations: &[Station], family: &Family, tour: &Tour) -> Result<Vec<Judged>, NoPlan> {
+    pub(super) fn judged(&self, stations: &[Station], family: &Family, tour: &Tour) -> Result<(Vec<Judged>, FinishFigures), NoPlan> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
+        let height = settings.scallop_height.mm();
         let milled = Milled::new(&prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
-        judged(workpiece, stations, prepared, family, &milled, settings.scallop_height.mm(), stop).ok_or(NoPlan::Stopped)
+        let judged = judged(workpiece, stations, prepared, family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
+        let finish = FinishFigures::of(stations, &judged, height);
+        Ok((judged, finish))
     }
 
     /// A plan with the figures of further stations.
     fn measured(&self, stations: &[Station], plan: MilledPlan) -> Result<MilledPlan, NoPlan> {
-        let judged = self.judged(stations, &plan.family, &plan.tour)?;
-        let finish = FinishFigures::of(stations, &judged, self.settings.scallop_height.mm());
+        let (judged, finish) = self.judged(stations, &plan.family, &plan.tour)?;
         let gouge = Length::computed(finish.gouge.mm().max(plan.finish.gouge.mm()));
         Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, judged, ..plan })
     }

@@ -4,9 +4,10 @@
 //! stand. Lines are vertical planes, straight seen from above. For each candidate cutter, `stations` finds the tips that
 //! finish places drawn over the surface by `drawn_places`, and `estimate` the time of each direction from them. The best
 //! directions are planned: `spread` spaces the lines by what the stations allow, `runs` finds the tips along them,
-//! `missed` adds runs over what the lines miss, `thinned` leaves out stretches that are not needed, `order`, `link` and `tour` make them one path, and `judged` mills it and
-//! states what it leaves; `milled_plan` moves the lines until the scallop height is kept and used. `ranking` is the entry
-//! point, `plan_confidence` rates it, and `passes` lists the points of the path. All lengths are in mm, all times in s.
+//! `missed` adds runs over what the lines miss, `order`, `link` and `tour` make them one path, and `judged` mills it and
+//! states what it leaves; `milled_plan` moves the lines until the scallop height is kept and used, and `thinned` leaves out the
+//! stretches of lines without which the others suffice. `ranking` is the entry point, `plan_confidence` rates it, and `passes`
+//! lists the points of the path. All lengths are in mm, all times in s.
 
 mod arrangement;
 mod candidate;

@@ -94,15 +94,16 @@ impl Planner<'_> {
         fastest.filter(|thinner| is_worthwhile(&thinner.tour, plan))
     }
 
-    /// The height in mm that each station may be left with to be no worse than in a plan: what the plan leaves, or the scallop
-    /// height, over what the cutter cannot reach.
+    /// The height in mm up to which each station counts as no worse than in a plan: the scallop height, over the lift where the cutter
+    /// does not reach it, or what the plan leaves if that is more.
     fn limits(&self, plan: &MilledPlan, stations: &[Station]) -> Result<Vec<f64>, NoPlan> {
         let height = self.settings.scallop_height.mm();
         let limit = |(station, judged): (&Station, &Judged)| {
             let least = if station.lift > height { station.lift + height } else { height };
             judged.material().max(least) + WORSE_BY * height
         };
-        Ok(stations.iter().zip(&self.judged(stations, &plan.family, &plan.tour)?).map(limit).collect())
+        let (judged, _) = self.judged(stations, &plan.family, &plan.tour)?;
+        Ok(stations.iter().zip(&judged).map(limit).collect())
     }
 }
 
