@@ -3,16 +3,12 @@
 //! Source: Herraz et al. 2020, doi:10.1007/s00170-020-06087-y, section 2.2. The paper omits the fourth case, which is
 //! added here.
 
-mod limits;
 mod machine;
 mod path_time;
 mod presets;
-mod speed_change;
 mod travel_time;
 
-pub use limits::MachineLimits;
 pub use machine::{Machine, TimedMove};
 pub use path_time::path_time;
 pub use presets::{PRESETS, Preset};
-pub use speed_change::speed_after;
-pub use travel_time::{TravelCase, travel_time};
+pub use travel_time::{MachineLimits, TravelCase, speed_after, travel_time};

@@ -1,7 +1,53 @@
-//! The time of a straight move from rest to rest with limited speed, acceleration and jerk.
+//! A straight move with limited speed, acceleration and jerk: its time from rest to rest, and the speed that it reaches.
 
-use super::MachineLimits;
-use crate::quantity::{Length, Time};
+use crate::quantity::{Acceleration, Jerk, Length, Speed, Time};
+
+/// The limits of a straight move. Every combination of valid values is valid, because a move need not reach every
+/// limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MachineLimits {
+    /// V, the programmed feed rate, which the machine does not exceed.
+    pub feed_rate: Speed,
+    /// A, the largest acceleration and deceleration.
+    pub acceleration: Acceleration,
+    /// J, the largest jerk.
+    pub jerk: Jerk,
+}
+
+impl MachineLimits {
+    /// t_A = A/J, the time to build up the acceleration A [Herraz et al. 2020, section 2.2], in s.
+    pub(super) fn time_to_acceleration(self) -> f64 {
+        self.acceleration.mm_s2() / self.jerk.mm_s3()
+    }
+
+    /// t_V = sqrt(V/J), half the time to reach the feed rate V if A is not reached [Herraz et al. 2020, section 2.2],
+    /// in s.
+    pub(super) fn time_to_feed_rate(self) -> f64 {
+        (self.feed_rate.mm_s() / self.jerk.mm_s3()).sqrt()
+    }
+
+    /// The time that a move which reaches the feed rate loses by starting and stopping, compared with constant speed: 2
+    /// sqrt(V/J) if the acceleration is not reached, otherwise A/J + V/A [Herraz et al. 2020, eq. 2 and 3].
+    #[must_use]
+    pub fn time_lost_to_stops(self) -> Time {
+        let (t_a, t_v) = (self.time_to_acceleration(), self.time_to_feed_rate());
+        Time::computed(if t_v <= t_a { 2.0 * t_v } else { t_a + self.feed_rate.mm_s() / self.acceleration.mm_s2() })
+    }
+
+    /// The shortest length at which a move reaches the feed rate: 2 V sqrt(V/J) if the acceleration is not reached,
+    /// otherwise V (A/J + V/A). Both are V times the time lost to stops.
+    #[must_use]
+    pub fn shortest_at_feed_rate(self) -> Length {
+        Length::computed(self.feed_rate.mm_s() * self.time_lost_to_stops().seconds())
+    }
+
+    /// The longest length at which only the jerk limits a move, 2 J min(A/J, sqrt(V/J))^3 [Herraz et al. 2020, section
+    /// 2.2].
+    #[must_use]
+    pub fn longest_by_jerk_alone(self) -> Length {
+        Length::computed(2.0 * self.jerk.mm_s3() * self.time_to_acceleration().min(self.time_to_feed_rate()).powi(3))
+    }
+}
 
 /// The limits that a straight move from rest to rest reaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +116,32 @@ pub fn travel_time(length: Length, limits: MachineLimits) -> Time {
 /// t_L = cbrt(L/2J), a quarter of the time of a move that only the jerk limits, in s.
 fn half_time_by_jerk(length: Length, limits: MachineLimits) -> f64 {
     (length.mm() / (2.0 * limits.jerk.mm_s3())).cbrt()
+}
+
+/// The greatest speed reached from the speed `start` within a length, with no acceleration at either end, at most the feed rate.
+/// Read backwards, it is the greatest speed from which the machine slows down to `start` within that length.
+///
+/// A change of speed by d takes 2 sqrt(d/J) if the acceleration is not reached, otherwise d/A + A/J, at the mean speed
+/// `start` + d/2, because the profile is symmetric. So the length is (start + d/2) times that; it is solved for d in closed form.
+#[must_use]
+pub fn speed_after(start: Speed, length: Length, limits: MachineLimits) -> Speed {
+    let (v, s) = (start.mm_s(), length.mm());
+    let (a, j) = (limits.acceleration.mm_s2(), limits.jerk.mm_s3());
+    let change = if s <= (v + 0.5 * a * limits.time_to_acceleration()) * 2.0 * limits.time_to_acceleration() {
+        by_jerk_alone(v, s * j.sqrt())
+    } else {
+        // d^2/2 + d b = c, which is s A with the length of the two ramps of the jerk taken off, without cancellation.
+        let (b, c) = (v + 0.5 * a * a / j, s * a - v * a * a / j);
+        2.0 * c / (b + (b * b + 2.0 * c).sqrt())
+    };
+    Speed::computed((v + change).min(limits.feed_rate.mm_s()))
+}
+
+/// The square of the root u of u^3 + 2 v u = q, v over 0 and q at least 0.
+fn by_jerk_alone(v: f64, q: f64) -> f64 {
+    let scale = (8.0 * v / 3.0).sqrt();
+    let u = scale * ((4.0 * q / scale.powi(3)).asinh() / 3.0).sinh();
+    u * u
 }
 
 #[cfg(test)]
@@ -203,5 +275,57 @@ mod tests {
             // The solver accepts a solution with a residual of up to 1e-8 of the length.
             assert_relative_eq!(time(length, limits(v, a, j)), trajectory.get_duration() * unit, max_relative = 1e-8);
         }
+    }
+
+    fn after(start: f64, length: f64, limits: MachineLimits) -> f64 {
+        speed_after(Speed::computed(start), Length::computed(length), limits).mm_s()
+    }
+
+    /// Length and end speed of a rise in speed by `change`, the three phases of its jerk integrated.
+    fn integrated(start: f64, change: f64, a: f64, j: f64) -> (f64, f64) {
+        let ramp = (a / j).min((change / j).sqrt());
+        let hold = change / (j * ramp) - ramp;
+        let (mut x, mut v, mut now) = (0.0, start, 0.0);
+        for (jerk, t) in [(j, ramp), (0.0, hold), (-j, ramp)] {
+            x += t * (v + t * (now / 2.0 + t * jerk / 6.0));
+            v += t * (now + t * jerk / 2.0);
+            now += t * jerk;
+        }
+        (x, v)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn the_jerk_profile_to_the_speed_covers_the_length(start in 0.0..200.0, change in 1e-3..500.0, a in 1.0..2e4, j in 10.0..1e6) {
+            let (length, end) = integrated(start, change, a, j);
+            assert_relative_eq!(end, start + change, max_relative = 1e-9);
+            assert_relative_eq!(after(start, length, limits(1e4, a, j)), start + change, max_relative = 1e-9);
+        }
+
+        #[test]
+        fn a_move_from_rest_is_at_its_top_speed_half_way(length in 1e-3..1e3, a in 1.0..2e4, j in 10.0..1e6) {
+            let limits = limits(1e4, a, j);
+            let top = after(1e-12, 0.5 * length, limits);
+            let rise = if top <= a * a / j { 2.0 * (top / j).sqrt() } else { top / a + a / j };
+            prop_assume!(top < 1e4);
+            assert_relative_eq!(travel_time(Length::from_mm(length).unwrap(), limits).seconds(), 2.0 * rise, max_relative = 1e-9);
+        }
+
+        #[test]
+        fn less_jerk_reaches_less_and_without_a_limit_it_is_that_of_the_acceleration(start in 0.0..200.0, length in 1e-3..1e2, a in 10.0..1e4) {
+            let speeds = [1e2, 1e4, 1e6, 1e9].map(|j| after(start, length, limits(1e4, a, j)));
+            prop_assert!(speeds.is_sorted());
+            let by_acceleration = (start * start + 2.0 * a * length).sqrt();
+            prop_assert!(speeds[3] <= by_acceleration * (1.0 + 1e-12) && speeds[3] >= 0.98 * by_acceleration);
+        }
+    }
+
+    #[test]
+    fn the_feed_rate_is_not_exceeded() {
+        let limits = limits(50.0, 1e3, 1e4);
+        assert_relative_eq!(after(10.0, 1e3, limits), 50.0);
+        assert_relative_eq!(after(10.0, 0.0, limits), 10.0);
     }
 }
