@@ -2,23 +2,13 @@
 //! answer, problem types, warnings, reasons for less confidence, and reasons why a cutter is not ranked. Each code is
 //! declared with its name, its meaning and a remedy; `docs/codes.md` is generated from the declarations.
 
-mod confidence_code;
-mod file_fault_code;
-mod no_answer_code;
-mod not_ranked_code;
-mod problem_type;
-mod request_fault;
+mod answer_code;
+mod problem_code;
 #[cfg(test)]
 mod table;
-mod warning_code;
 
-pub(crate) use confidence_code::ConfidenceCode;
-pub(crate) use file_fault_code::FileFaultCode;
-pub(crate) use no_answer_code::{NoAnswerCode, ProblemFigure};
-pub(crate) use not_ranked_code::NotRankedCode;
-pub(crate) use problem_type::{ProblemType, ServiceProblem};
-pub(crate) use request_fault::{FaultCode, RequestFault};
-pub(crate) use warning_code::WarningCode;
+pub(crate) use answer_code::{ConfidenceCode, NotRankedCode, WarningCode};
+pub(crate) use problem_code::{FaultCode, FileFaultCode, NoAnswerCode, ProblemFigure, ProblemType, RequestFault, ServiceProblem};
 
 use axum::http::StatusCode;
 

@@ -1,7 +1,8 @@
-//! The codes of reasons why a valid request has no answer, with the figures that help the caller to correct it. Each
-//! code is also the type of a problem.
+//! The codes of problems: of faults in a request's members, of faults of a file, of reasons why a valid request has no answer, and the types of
+//! problems, each with its HTTP status.
 
-use super::codes;
+use super::{codes, joined_codes, same_names};
+use crate::file_fault::FileFaultKind;
 use crate::milling::NoAnswer;
 use crate::quantity::Length;
 
@@ -102,6 +103,84 @@ impl NoAnswerCode {
             NoAnswer::ToleranceLimitsNoFeed { largest_feed_per_tooth: _ } => (Self::ToleranceSetsNoLimit, Vec::new()),
         }
     }
+}
+
+codes! {
+    /// A fault of an uploaded file.
+    FileFaultCode {
+        UnknownFormat = "unknown-format" UNSUPPORTED_MEDIA_TYPE: "The file's format is not supported", "Send points in text or PCD, STL, OBJ, PLY or 3MF, and tool libraries of Fusion or FreeCAD or in CSV; give the file's name or media type.";
+        Malformed = "malformed-file" BAD_REQUEST: "The file is malformed", "Correct the line or byte that the detail names, or export the file again.";
+        Truncated = "truncated-file" BAD_REQUEST: "The file is cut off", "Send the whole file.";
+        TooLarge = "file-too-large" PAYLOAD_TOO_LARGE: "The file exceeds a limit of its reader", "Reduce what the detail names.";
+        Ambiguous = "ambiguous-file" UNPROCESSABLE_ENTITY: "The file can be read in two ways", "Write the file so that only one of the readings named in the detail fits.";
+        OutOfRange = "out-of-range" UNPROCESSABLE_ENTITY: "A number in the file is out of range", "Check the line or byte that the detail names, and the unit.";
+        Empty = "empty-file" UNPROCESSABLE_ENTITY: "The file contains no surface or tool", "Export the surface or the library again; check that it is selected.";
+    }
+}
+
+same_names!(FileFaultKind => FileFaultCode: UnknownFormat, Malformed, Truncated, TooLarge, Ambiguous, OutOfRange, Empty);
+
+codes! {
+    /// A fault in a request's JSON, form or query.
+    RequestFault: none {
+        MissingField = "missing-field": "A required field is missing", "Add the field, which the detail describes.";
+        UnknownField = "unknown-field": "A field is unknown", "Remove the field or correct its name; the detail lists the known names.";
+        RepeatedField = "repeated-field": "A field is given more than once", "Give it once.";
+        ConflictingFields = "conflicting-fields": "Mutually exclusive fields are given", "Give one of the forms that the detail names.";
+        WrongType = "wrong-type": "A value has the wrong JSON type", "Send the type that the detail names; numbers are not quoted.";
+        OutOfRange = "out-of-range": "A number is outside its bounds", "Choose a value within the bounds in the detail; check the unit.";
+        NotFinite = "not-finite": "A number is NaN or infinite", "Omit the contact, or correct the computation of the number.";
+        UnknownValue = "unknown-value": "A word is not one of those allowed", "Use one of the words in the detail.";
+        WrongCount = "wrong-count": "An array has the wrong number of items", "Send as many items as the detail names.";
+        TooManyFields = "too-many-fields": "An object has more fields than are read", "Remove the unknown fields.";
+        TooManyItems = "too-many-items": "An array has more items than are accepted", "Split the request.";
+        Unreadable = "unreadable": "A JSON value cannot be decoded", "Correct the value, for example a text with a lone surrogate.";
+        FurtherFaults = "further-faults": "The request has more faults than are listed", "Correct the listed ones first.";
+        NoDirection = "no-direction": "Vectors or angles do not describe a contact", "Give a normal that points out of the part and a feed that follows the surface.";
+        CornerRadiusTooLarge = "corner-radius-too-large": "The corner radius does not fit into the cutter", "Give a corner radius under half the diameter, or a ball-end cutter.";
+        DimensionsDoNotFit = "dimensions-do-not-fit": "The dimensions of a cutter do not fit each other", "Correct the dimension, for which the detail has the bound.";
+        NotAProfile = "not-a-profile": "The arcs are not the profile of a convex cutter", "Correct the arc, or the one before it: arcs touch, or a straight piece with the normal of both joins them.";
+        ScallopTooHigh = "scallop-too-high": "The scallop height exceeds what a cutter can leave", "Give a height of at most the corner radius and under the ball's radius.";
+        HeightExceedsWidth = "height-exceeds-width": "The rectangle's side up the slope is its long side", "Give the long side, which is level, as the width.";
+        FaultyProgram = "faulty-program": "A line of a program cannot be followed", "Correct the line that the detail names, or post-process the path as plain G0 to G3.";
+        SizeOutOfRange = "size-out-of-range": "The surface's size or form is outside the method's bounds", "Check the surface's unit and its points.";
+        TooFewPoints = "too-few-points": "The surface has too few points", "Send at least as many points as the detail names.";
+        OnlyDegenerateFacets = "only-degenerate-facets": "No facet of the surface has an area", "Check the mesh and its unit.";
+        AllPointsEqual = "all-points-equal": "All points of the surface are equal", "Check the file or the points.";
+        Collinear = "collinear": "All points of the surface lie on a line", "Send points that spread over the surface.";
+        NothingToMachine = "nothing-to-machine": "No facet of the surface is machined", "Check the selection, the largest slope and the orientation: Z is the tool axis.";
+    }
+}
+
+joined_codes! {
+    /// The fault, as a code for programs; docs/codes.md lists meanings and remedies.
+    FaultCode { RequestFault, FileFaultCode, NoAnswerCode }
+}
+
+codes! {
+    /// A problem of the request as a whole, or of the service.
+    ServiceProblem {
+        InvalidRequest = "invalid-request" UNPROCESSABLE_ENTITY: "The request cannot be answered", "Correct the faults listed in errors.";
+        MalformedJson = "malformed-json" BAD_REQUEST: "The body is not JSON", "Correct the syntax at the line and column in the detail; JSON has neither comments nor trailing commas.";
+        MalformedForm = "malformed-form" BAD_REQUEST: "The form is malformed", "Send multipart/form-data as RFC 7578 describes it.";
+        MalformedRequest = "malformed-request" BAD_REQUEST: "The request is malformed", "Correct the request.";
+        UnreadableBody = "unreadable-body" BAD_REQUEST: "The body could not be read", "Send the body again; if it is compressed, check that it is valid gzip.";
+        NotFound = "not-found" NOT_FOUND: "The path does not exist", "Correct the path; /docs lists all paths.";
+        MethodNotAllowed = "method-not-allowed" METHOD_NOT_ALLOWED: "The method is not allowed here", "Use a method that the header Allow lists.";
+        Timeout = "timeout" REQUEST_TIMEOUT: "The request took too long", "Send the body faster, or a smaller request.";
+        TooLarge = "too-large" PAYLOAD_TOO_LARGE: "The body is too large", "Send less, or raise the server's limit.";
+        UnsupportedMediaType = "unsupported-media-type" UNSUPPORTED_MEDIA_TYPE: "The media type is not supported", "Send application/json, or multipart/form-data for an upload.";
+        UnsupportedEncoding = "unsupported-encoding" UNSUPPORTED_MEDIA_TYPE: "The content encoding is not supported", "Send the body plain or with gzip.";
+        NoCutterFits = "no-cutter-fits" UNPROCESSABLE_ENTITY: "No cutter can be ranked", "See not_ranked for each cutter's reason; send other cutters.";
+        Internal = "internal" INTERNAL_SERVER_ERROR: "The server failed", "Report the request id to the server's operator.";
+        Overloaded = "overloaded" SERVICE_UNAVAILABLE: "The server is busy", "Try again after the time in the header Retry-After.";
+        Failed = "failed" none: "The request failed", "See the HTTP status.";
+    }
+}
+
+joined_codes! {
+    /// The problem, as a code for programs; docs/codes.md lists meanings and remedies.
+    ProblemType { ServiceProblem, FileFaultCode, NoAnswerCode }
 }
 
 #[cfg(test)]
