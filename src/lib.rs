@@ -104,7 +104,6 @@ pub mod motion;
 pub mod numerics;
 pub mod path;
 pub mod planning;
-mod priority;
 pub mod quantity;
 pub mod server;
 pub mod settings;

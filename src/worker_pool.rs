@@ -15,7 +15,6 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 use tokio::time::timeout;
 
 use crate::cancellation::{CancelFlag, CancelOnDrop};
-use crate::priority;
 
 /// The largest number of threads for each permit. More would hardly reduce the time.
 const MAX_THREADS_PER_REQUEST: usize = 8;
@@ -56,7 +55,7 @@ fn threads(name: &'static str, count: usize) -> std::io::Result<ThreadPool> {
     ThreadPoolBuilder::new()
         .num_threads(count)
         .thread_name(move |index| format!("{name}-{index}"))
-        .start_handler(|_| priority::lower())
+        .start_handler(|_| lower_priority())
         .build()
         .map_err(std::io::Error::other)
 }
@@ -177,5 +176,18 @@ where
         Ok(Ok(result)) => result,
         Ok(Err(panic)) => resume_unwind(panic),
         Err(_) => unreachable!("the sender sends before it is dropped, and the receiver exists"),
+    }
+}
+
+/// The niceness of worker threads: the scheduler gives them a third of the weight of threads that serve connections.
+#[cfg(target_os = "linux")]
+const NICENESS: i32 = 5;
+
+/// Gives the calling thread a lower priority than the threads that serve connections have. If the system refuses, the
+/// priority stays.
+fn lower_priority() {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = rustix::process::nice(NICENESS) {
+        tracing::debug!(%error, "a thread keeps its priority");
     }
 }

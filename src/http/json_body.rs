@@ -1,10 +1,10 @@
 //! The JSON bodies of requests and answers: the extractor of a request's JSON, and answers that worker threads write.
 
 use super::codes::ServiceProblem;
-use super::collected_body::collect;
 use super::compression::{Compressor, GZIP, is_worthwhile};
 use super::problem::Problem;
 use super::reading::{Faulted, Faults, Object, mark_not_finite};
+use super::request_body::collect;
 use crate::budget::{Budget, Held};
 use crate::cancellation::CancelFlag;
 use crate::json::JsonError;

@@ -3,10 +3,8 @@
 
 mod about;
 mod app_state;
-mod body_pipe;
 mod calculation;
 mod codes;
-mod collected_body;
 mod compression;
 mod document;
 mod examples;
@@ -14,7 +12,6 @@ mod json_body;
 pub mod metrics;
 mod middleware;
 mod multipart;
-pub mod overload;
 mod pages;
 mod planning;
 mod problem;
@@ -22,12 +19,12 @@ mod problem_schemas;
 mod query;
 pub mod readiness;
 mod reading;
-mod refusal;
+pub mod refusal;
+mod request_body;
 mod request_id;
 mod routes;
 mod wire;
 pub mod work;
-mod workbench;
 
 pub use app_state::AppState;
 pub use routes::{RouteClass, Routes};
@@ -52,7 +49,6 @@ pub fn routes() -> Routes {
         .documented(Single, routes!(pages::openapi))
         .documented(Single, routes!(pages::openapi_3_0))
         .nested(Single, pages::routes())
-        .nested(Single, workbench::routes())
 }
 
 /// The OpenAPI document, as in `openapi/openapi.json`.

@@ -3,8 +3,8 @@
 //! compressed body would expand in memory, and it limits neither a part's head nor the preamble.
 
 use crate::http::codes::ServiceProblem;
-use crate::http::collected_body::next_data;
 use crate::http::problem::Problem;
+use crate::http::request_body::next_data;
 use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
