@@ -3,9 +3,8 @@
 use super::*;
 use crate::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Profile, Runout, SurfaceCurvature};
 use crate::numerics::random::Random;
-use crate::path::Milled;
-use crate::path::Places;
 use crate::path::tests::{Plane, cut, milled};
+use crate::path::{Milled, Places};
 use crate::quantity::{Acceleration, Jerk, Length};
 use crate::surface::{Facing, Mesh, MeshBuilder, Unit};
 use approx::assert_relative_eq;
