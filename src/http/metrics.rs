@@ -17,7 +17,7 @@ use prometheus_client::metrics::histogram::Histogram;
 use prometheus_client::metrics::info::Info;
 use prometheus_client::registry::{Registry, Unit};
 
-use super::refusal::Overload;
+use super::overload::Overload;
 use crate::budget::Budget;
 use crate::telemetry;
 

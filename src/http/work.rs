@@ -10,8 +10,8 @@ use tokio::time::Instant;
 
 use super::json_body::WrittenJson;
 use super::metrics::Metrics;
+use super::overload::Overload;
 use super::problem::Problem;
-use super::refusal::Overload;
 use crate::budget::{Budget, Job, LONGEST_WAIT, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
 use crate::worker_pool::{WorkPermit, WorkerPool};

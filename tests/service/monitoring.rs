@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use scallopd::http::Routes;
-use scallopd::http::refusal::Overload;
+use scallopd::http::overload::Overload;
 
 use crate::app::defaults;
 use crate::service::server;

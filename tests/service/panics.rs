@@ -1,7 +1,7 @@
 //! Panics in handlers.
 
 use axum::routing::get;
-use scallopd::http::refusal::Overload;
+use scallopd::http::overload::Overload;
 use scallopd::http::work::Work;
 use scallopd::http::{RouteClass, Routes};
 

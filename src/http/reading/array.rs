@@ -1,6 +1,6 @@
 //! JSON arrays, read item by item, so that no array is stored as a whole, and members that are arrays of values of one kind.
 
-use super::schema::description;
+use super::object::description;
 use super::{Components, Faulted, Faults, JsonPath, Kind, describe};
 use crate::http::codes::RequestFault;
 use crate::json::each;

@@ -1,7 +1,7 @@
 //! The kinds of values that members take: quantities, whole numbers, vectors and words.
 
 use super::array::each_raw;
-use super::schema::description;
+use super::object::description;
 use super::{Components, Faulted, Faults, JsonPath, Kind, describe, not_finite};
 use crate::http::codes::RequestFault;
 use crate::milling::Contact;

@@ -5,16 +5,14 @@ mod array;
 mod columns;
 mod faults;
 mod kinds;
-mod members;
 mod not_finite;
 mod object;
-mod schema;
 
 pub(crate) use array::{List, each_raw, items};
 pub(crate) use columns::Columns;
 pub(crate) use faults::{Fault, Faulted, Faults, JsonPath, describe, nearest};
 pub(crate) use kinds::{Choice, Flag, Number, NumberPair, Quantity, Renamed, Vector, Whole, number, text};
-pub(crate) use members::{AnyMember, Declared, Form, Kind, Member, Members, at_most_one, members};
 pub(crate) use not_finite::{mark, mark_not_finite};
-pub(crate) use object::Object;
-pub(crate) use schema::{AddMembers, Components, ObjectSchema};
+pub(crate) use object::{
+    AddMembers, AnyMember, Components, Declared, Form, Kind, Member, Members, Object, ObjectSchema, at_most_one, members,
+};

@@ -2,8 +2,6 @@
 
 use super::curvature_object::{CurvatureMembers, SURFACE_RADIUS, StatedCurvature};
 use super::cutter_object::{AnyCutter, StatedCutter};
-use super::model_member::MODEL;
-use super::runout_object::RunoutObject;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Declared, Faulted, Faults, JsonPath, Member, Members, Object, Quantity, at_most_one, members};
 use crate::milling::{Model, Runout, StepOver, SurfaceCurvature};
@@ -182,5 +180,36 @@ impl Feed {
             Self::PerTooth(length) => Some(length),
             Self::NoMarks => None,
         }
+    }
+}
+
+/// The member `model` of requests.
+pub(crate) const MODEL: Member<Choice<Model>> = Member::new(
+    "model",
+    "analytic (default): the published closed formulas, with a circle in place of the cutter; envelope: an upper bound by the cutter's exact shape, at every slope",
+    Choice { name: Some("Model"), words: &[("analytic", Model::Analytic), ("envelope", Model::Envelope)] },
+);
+
+/// The member `model` of recommendations.
+pub(crate) const PLAN_MODEL: Member<Choice<Model>> = Member {
+    about: "envelope (default in method surface): the cutter's exact shape, in method surface with the curvature of each facet; analytic (default in method rectangle): the published closed formulas, with a circle in place of the cutter",
+    ..MODEL
+};
+
+members! {
+    /// The members of a runout.
+    pub(crate) struct RunoutMembers for RunoutObject ("Runout", "The deviation of the teeth from their common circle") -> Runout {
+        radial: optional RADIAL: Quantity<f64> = ("radial_mm", Quantity::new(|mm| Runout::NONE.with_radial_mm(mm).map(|_| mm), 0.005),
+            "radial runout: how much further one tooth protrudes than the next; absent = 0"),
+        axial: optional AXIAL: Quantity<f64> = ("axial_mm", Quantity::new(|mm| Runout::NONE.with_axial_mm(mm).map(|_| mm), 0.002),
+            "axial runout: how much lower one tooth is than the next; if the feed climbs, a positive value shortens the distance between tooth marks and a negative one lengthens it; a feed down the slope is treated like a feed up the slope; absent = 0"),
+    }
+}
+
+impl RunoutMembers {
+    fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Runout, Faulted> {
+        let (radial, axial) = (self.radial?.unwrap_or(0.0), self.axial?.unwrap_or(0.0));
+        let runout = Runout::NONE.with_radial_mm(radial).and_then(|runout| runout.with_axial_mm(axial));
+        runout.map_err(|bounds| faults.add(path, RequestFault::OutOfRange, bounds))
     }
 }

@@ -1,6 +1,6 @@
 //! The member `select`: which facets of a surface are machined.
 
-use super::points::{point, point_schema};
+use super::surface::{point, point_schema};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, List, Quantity, Whole, members};
 use crate::quantity::Angle;

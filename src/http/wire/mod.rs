@@ -4,7 +4,6 @@
 //! name, description and getter; a member of another answer has one row of `answer!` with the same.
 
 mod answer_macro;
-mod batch_contacts;
 mod candidate_object;
 mod contact_object;
 mod contact_parameters;
@@ -12,35 +11,25 @@ mod curvature_object;
 mod cutter_object;
 mod facet_selection;
 mod figures;
-mod library_filter;
 mod machine_object;
-mod model_member;
-mod no_answer_fault;
-mod not_ranked;
-mod points;
 mod roughness_object;
-mod runout_object;
 mod source;
 mod summary;
 mod surface;
 mod warning_object;
 
 pub(crate) use answer_macro::answer;
-pub(crate) use batch_contacts::{BatchContact, Contacts};
-pub(crate) use candidate_object::{CandidateKind, MOST_CUTTERS, NamedCandidate, SPINDLE_SPEED};
-pub(crate) use contact_object::{CONTACT, StatedContact};
-pub(crate) use contact_parameters::{CUTTER, ContactParameters, SharedMembers, SharedParameters, StatedParameters, TOLERANCE};
+pub(crate) use candidate_object::{CandidateKind, LibraryFilter, LibraryFilterKind, MOST_CUTTERS, NamedCandidate, SPINDLE_SPEED};
+pub(crate) use contact_object::{BatchContact, CONTACT, Contacts, StatedContact, no_answer};
+pub(crate) use contact_parameters::{
+    CUTTER, ContactParameters, MODEL, PLAN_MODEL, SharedMembers, SharedParameters, StatedParameters, TOLERANCE,
+};
 pub(crate) use cutter_object::{AnyCutter, BallEndCutter, TEETH, ToroidalCutter};
 pub(crate) use facet_selection::{FACETS_NAME, PIECES_NAME, SelectKind};
 pub(crate) use figures::{CHECK_FIGURES, COMMON_FIGURES, Check, Figure, Figures, Get, Heights};
-pub(crate) use library_filter::{LibraryFilter, LibraryFilterKind};
 pub(crate) use machine_object::{CLEARANCE_HEIGHT, MACHINE, MAX_SPINDLE_SPEED, MachineKind, PATH_TOLERANCE, RAPID_RATE, TOOL_CHANGE};
-pub(crate) use model_member::{MODEL, PLAN_MODEL};
-pub(crate) use no_answer_fault::no_answer;
-pub(crate) use not_ranked::NotRanked;
-pub(crate) use points::PathPoints;
 pub(crate) use roughness_object::{ROUGHNESS, RoughnessKind, SCALLOP_HEIGHT, plan_tolerance, stated_height};
 pub(crate) use source::{Source, SurfaceWithSource, UNIT};
 pub(crate) use summary::{Extreme, Extremes, Failure, InOrder, Summary};
-pub(crate) use surface::{SURFACE, StatedSurface};
-pub(crate) use warning_object::Warning;
+pub(crate) use surface::{PathPoints, SURFACE, StatedSurface};
+pub(crate) use warning_object::{NotRanked, Warning};
