@@ -1,8 +1,7 @@
 //! Batch requests: many contacts in, one column for each figure out. Contacts are parsed and computed on all cores. A
 //! contact without an answer does not affect the others.
 
-use super::column::{Column, Table};
-use super::selected_columns::ColumnSelection;
+use super::column::{Column, ColumnSelection, Table};
 use super::single::{self, warnings_schema};
 use super::{Calculation, Inputs};
 use crate::budget::Job;

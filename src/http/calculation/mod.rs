@@ -10,7 +10,6 @@ mod feed_limits;
 mod max_feed;
 mod max_step_over;
 mod scallop_height;
-mod selected_columns;
 mod single;
 
 use calculations::{Texts, operations_of};

@@ -1,6 +1,6 @@
 //! Wire objects of an answer's confidence: its level, and the weaknesses of the method on this surface.
 
-use super::unit_doubt::UnitDoubt;
+use super::surface_answer::UnitDoubt;
 use crate::http::codes::{ConfidenceCode, same_names};
 use crate::http::wire::answer;
 use crate::planning::{Confidence, Level, Reason};

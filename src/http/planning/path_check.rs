@@ -1,7 +1,6 @@
 //! `POST /v1/path-check` and `/v1/path-check/upload`: what a path leaves on a surface, whoever made it.
 
-use super::checked_path::{PathCheckMembers, PathToCheck};
-use super::path_check_answer::PathCheckAnswer;
+use super::checked_path::{PathCheckAnswer, PathCheckMembers, PathToCheck};
 use super::path_object::{MOST_POINTS, PATH, read_program};
 use super::upload::{read_file, read_small};
 use crate::budget::{Job, LONGEST_WAIT_OF_PLAN};

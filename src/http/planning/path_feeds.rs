@@ -1,6 +1,6 @@
 //! The feeds of a path: those that it states, and the largest that keep the tolerance.
 
-use super::path_cutters::PathCutters;
+use super::path_object::PathCutters;
 use crate::http::wire::answer;
 use crate::motion::Machine;
 use crate::numerics::vector::{difference, length};

@@ -5,12 +5,10 @@ use super::candidates::{always_faster, outside_range};
 use super::confidence_answer::ConfidenceAnswer;
 use super::map::MapCells;
 use super::parameters::{AnswerPart, FACING, MAX_SLOPE, Method, Parameters, REST_OF, SELECT, unused};
-use super::passes_answer::{PassesAnswer, of_best};
-use super::plan_answer::PlanAnswer;
+use super::plan_answer::{PassesAnswer, PlanAnswer, passes_of_best};
 use super::program::ProgramAnswer;
-use super::simulation::{Simulation, report};
-use super::surface_answer::SurfaceAnswer;
-use super::unit_doubt::UnitDoubt;
+use super::simulation::Simulation;
+use super::surface_answer::{SurfaceAnswer, UnitDoubt, report};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -137,7 +135,7 @@ impl Task {
             let detail = format!("the passes have more than {MOST_POINTS} points and were left out");
             self.warnings.push(Warning::new(WarningCode::PassesLeftOut, detail));
         }
-        let path = if (wants_passes || wants_program) && fits { of_best(machined, &simulation, stop) } else { None };
+        let path = if (wants_passes || wants_program) && fits { passes_of_best(machined, &simulation, stop) } else { None };
         let program = path.as_ref().filter(|_| wants_program).and_then(|path| {
             let first = ranking.plans.first()?.candidate;
             let several = ranking.operations.as_ref().map(|plan| plan.operations.iter().map(|operation| operation.candidate).collect());
