@@ -279,7 +279,7 @@ fn first_items<T>(
 }
 
 /// Passes every point of the array `raw` to `take` in order. `take` may have been called before a fault is found.
-pub(super) fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults, mut take: impl FnMut([f64; 3])) -> Result<(), Faulted> {
+fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults, mut take: impl FnMut([f64; 3])) -> Result<(), Faulted> {
     let mut are_in_bounds = true;
     let read = each(raw, |point: [f64; 3]| {
         are_in_bounds &= point.into_iter().all(is_in_bounds);

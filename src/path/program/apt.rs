@@ -3,9 +3,7 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded before the conversion")]
 
 use super::arc::{Arc, Centre};
-use super::collected::Collected;
-use super::program_faults::ProgramFaultKind;
-use super::program_points::{ProgramPoint, Reached};
+use super::program_points::{Collected, ProgramFaultKind, ProgramPoint, Reached};
 
 /// The statements by which such a file is known.
 pub(super) const STATEMENTS: [&str; 9] = ["PARTNO", "GOTO", "FEDRAT", "LOADTL", "UNITS", "MULTAX", "MACHIN", "CUTTER", "SPINDL"];

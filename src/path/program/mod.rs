@@ -2,11 +2,7 @@
 
 mod apt;
 mod arc;
-mod block;
-mod collected;
-mod csv_columns;
 mod gcode;
-mod program_faults;
 mod program_points;
 mod read;
 mod refeed;
@@ -14,8 +10,7 @@ mod refeed;
 mod tests;
 mod write;
 
-pub use program_faults::{ProgramFault, ProgramFaultKind};
-pub use program_points::{Dialect, Program, ProgramPoint, Reached};
+pub use program_points::{Dialect, Program, ProgramFault, ProgramFaultKind, ProgramPoint, Reached};
 pub use read::{ReadSettings, read};
 pub use refeed::with_feeds;
 pub use write::{Gap, Operation, WriteSettings, write_iso};
