@@ -6,17 +6,13 @@
 
 mod confidence;
 pub(crate) mod machined_surface;
-mod path_confidence;
-mod weakness;
 
 pub mod plan;
 pub mod rectangle;
 
-pub use confidence::{Confidence, Level, Reason};
-pub use path_confidence::PathEvidence;
+pub use confidence::{Confidence, Level, PathEvidence, Reason, SurfaceEvidence, SurfaceWeakness};
 pub use rectangle::{
     Candidate, CriticalFormFactor, CriticalSlope, CutterChoice, CutterComparison, Evidence, HeightExceedsWidth, InclinedRectangle,
     JobError, Plan, PlanError, Recommendation, RectanglePlan, Weakness, Zigzag, critical_form_factor, critical_slope, plan,
     plan_on_rectangle, recommend,
 };
-pub use weakness::{SurfaceEvidence, SurfaceWeakness};

@@ -48,7 +48,7 @@ const IDLE: f64 = 0.1;
 
 /// The place of the cutter that a path states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-enum TipPoint {
+pub(super) enum TipPoint {
     #[default]
     LowestPoint,
     Centre,
@@ -56,7 +56,7 @@ enum TipPoint {
 
 /// What an answer contains on request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum PathPart {
+pub(super) enum PathPart {
     Map,
     Places,
     Feeds,
@@ -366,7 +366,7 @@ answer! {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schema(as = PathPlaceCode)]
-enum PlaceCode {
+pub(super) enum PlaceCode {
     /// A rapid move cuts the part.
     Collision,
     /// A move at the feed rate cuts the part.

@@ -35,7 +35,7 @@ members! {
 }
 
 /// A job, the machine with what the job does not need, and the name of the member that states the scallop height.
-struct StatedJob {
+pub(super) struct StatedJob {
     pub(super) job: CutterComparison,
     pub(super) machine: motion::Machine,
     pub(super) tolerance: &'static str,

@@ -42,7 +42,7 @@ pub(super) struct PathMoves<'a> {
 }
 
 /// The largest feeds of a path.
-struct PathFeeds {
+pub(super) struct PathFeeds {
     /// The feed rate of each move.
     pub(super) rates: Vec<Speed>,
     pub(super) answer: FeedsAnswer,

@@ -88,7 +88,7 @@ fn stated_point(point: [f64; 3], feed_rate: Option<Speed>) -> ProgramPoint {
 }
 
 /// The text of a program. Its arcs become chords later, when the tolerance is known; what is wrong with it is found here.
-struct ProgramText;
+pub(super) struct ProgramText;
 
 impl Kind for ProgramText {
     type Value = StatedPath;
@@ -117,7 +117,7 @@ pub(super) fn read_program(text: String, path: &JsonPath<'_>, faults: &mut Fault
 }
 
 /// One feed rate, or an array of them.
-struct FeedRates;
+pub(super) struct FeedRates;
 
 impl Kind for FeedRates {
     type Value = Vec<Speed>;

@@ -3,8 +3,8 @@
 
 use super::estimate::seconds;
 use super::family::{Family, Heading};
-use super::prepared::Prepared;
 use super::settings::{Pattern, PlanSettings};
+use super::spacing::Prepared;
 use super::stations::Station;
 use super::workpiece::Workpiece;
 use rayon::prelude::*;

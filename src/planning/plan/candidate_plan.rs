@@ -2,8 +2,8 @@
 
 use super::judged::FinishFigures;
 use super::milled_plan::MilledPlan;
-use super::prepared::Prepared;
 use super::settings::PlanSettings;
+use super::spacing::Prepared;
 use super::tour::TourFigures;
 use super::workpiece::Workpiece;
 use crate::planning::RectanglePlan;

@@ -1,11 +1,10 @@
 //! The time of a zigzag in one direction, estimated from the stations of a cutter. It is continuous in the direction, and
 //! does not depend on which other directions are asked for.
 
-use super::family::{Family, Heading};
-use super::prepared::Prepared;
+use super::family::{Allowed, Family, Heading, Seen, Spread};
 use super::runs::STEP_IN_RADII;
 use super::settings::{Pattern, PlanSettings};
-use super::spread::{Allowed, Seen, Spread};
+use super::spacing::Prepared;
 use super::stations::Station;
 use super::travel;
 use super::workpiece::Workpiece;

@@ -1,15 +1,13 @@
 //! A candidate by estimates alone: whether it reaches the surface, its time in each direction, and the directions that deserve
 //! a plan.
 
-use super::candidate::CandidateCutter;
 use super::candidate_plan::{CandidatePlan, MilledFigures, NotRankedReason, PlannedPath};
-use super::drawn_places::{DrawnPlace, ESTIMATED_ON, drawn};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
 use super::milled_plan::MilledPlan;
-use super::prepared::{Prepared, rows_of};
-use super::settings::{Directions, PlanSettings};
-use super::stations::{Station, stations};
+use super::settings::{CandidateCutter, Directions, PlanSettings};
+use super::spacing::{Prepared, rows_of};
+use super::stations::{DrawnPlace, ESTIMATED_ON, Station, drawn, stations};
 use super::workpiece::Workpiece;
 use crate::milling::Model;
 use crate::planning::{RectanglePlan, plan_on_rectangle};

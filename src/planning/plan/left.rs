@@ -1,11 +1,10 @@
 //! What the paths of a plan leave at given points, for maps.
 
 use super::candidate_plan::{CandidatePlan, PlannedPath};
-use super::drawn_places::DrawnPlace;
 use super::judged::judged;
 use super::operations::OperationsPlan;
 use super::settings::PlanSettings;
-use super::stations::stations;
+use super::stations::{DrawnPlace, stations};
 use super::workpiece::Workpiece;
 use crate::milling::Cutter;
 use crate::path::Milled;

@@ -1,8 +1,8 @@
 //! Links: how the tool gets to a run, from one to the next, and away from the last, on the surface or over the clearance height.
 
-use super::prepared::Prepared;
 use super::runs::{RunTip, STEP_IN_RADII, highest_step};
 use super::settings::{Pattern, PlanSettings};
+use super::spacing::Prepared;
 use super::travel::{self, APPROACH_HEIGHT};
 use super::workpiece::Workpiece;
 use crate::path::{Sampling, tips_between};

@@ -1,23 +1,17 @@
 //! The plan of a candidate with one family of lines: lines, their runs, the path, and what it leaves, milled; the lines move until
 //! the scallop height is kept and used.
 
-use super::cells::Cells;
 use super::cut_lines::CutLines;
-use super::deepest_cut::deepest_cut;
-use super::drawn_places::Set;
 use super::estimate::MOST_LINES;
-use super::family::Family;
-use super::judged::{FinishFigures, Judged, judged, missed, respace};
+use super::family::{Allowed, Family, Spread};
+use super::judged::{FinishFigures, Judged, deepest_cut, judged, missed, respace};
 use super::levels::LevelMaker;
 use super::missed::Missed;
-use super::order::Order;
-use super::prepared::Prepared;
-use super::region::Region;
 use super::runs::{Run, RunMaker};
 use super::settings::PlanSettings;
-use super::spread::{Allowed, Spread};
-use super::stations::Station;
-use super::tour::Tour;
+use super::spacing::Prepared;
+use super::stations::{Cells, Region, Set, Station};
+use super::tour::{Order, Tour};
 use super::workpiece::Workpiece;
 use crate::path::{Milled, Sampling};
 use crate::quantity::Length;

@@ -3,8 +3,8 @@
 //! from one to the next.
 
 use super::judged::MissedStation;
-use super::prepared::Prepared;
 use super::runs::{LEVEL, Run, RunTip, highest_step};
+use super::spacing::Prepared;
 use super::stations::Station;
 use super::workpiece::Workpiece;
 use crate::milling::Profile;

@@ -2,20 +2,14 @@
 //! best plan of one operation.
 
 use super::arrangement::{Arrangement, Arranger, Planned, Tool};
-use super::candidate::CandidateCutter;
 use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
-use super::cells::Cells;
-use super::deepest_cut::deepest_cut;
-use super::drawn_places::{DrawnPlace, ESTIMATED_ON, JUDGED_ON, Set, drawn, within};
 use super::estimate::least_seconds;
 use super::family::Family;
-use super::judged::{FinishFigures, Judged, KEPT, judged};
+use super::judged::{FinishFigures, Judged, KEPT, deepest_cut, judged};
 use super::milled_plan::{NoPlan, Planner};
-use super::prepared::{Prepared, rows_of};
-use super::region::Region;
-use super::rest::drawn_until;
-use super::settings::{Pattern, PlanSettings};
-use super::stations::{Station, stations};
+use super::settings::{CandidateCutter, Pattern, PlanSettings};
+use super::spacing::{Prepared, rows_of};
+use super::stations::{Cells, DrawnPlace, ESTIMATED_ON, JUDGED_ON, Region, Set, Station, drawn, drawn_until, stations, within};
 use super::workpiece::Workpiece;
 use crate::path::Milled;
 use crate::quantity::{Angle, Length, Time};

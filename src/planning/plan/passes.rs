@@ -1,12 +1,11 @@
 //! The points of a plan's path, in the order in which they are cut.
 
-use super::candidate::CandidateCutter;
 use super::candidate_plan::{CandidatePlan, PlannedPath};
 use super::family::Family;
 use super::milled_plan::MilledPlan;
 use super::operations::OperationsPlan;
-use super::prepared::Prepared;
-use super::settings::PlanSettings;
+use super::settings::{CandidateCutter, PlanSettings};
+use super::spacing::Prepared;
 use super::tour::TourPoint;
 use super::workpiece::Workpiece;
 use crate::milling::{Contact, EvaluatedPass, Pass, Runout, SurfaceCurvature};

@@ -1,9 +1,8 @@
 //! The confidence in the order of plans, with its reasons.
 
-use super::candidate::CandidateCutter;
 use super::candidate_plan::CandidatePlan;
 use super::judged::KEPT;
-use super::settings::PlanSettings;
+use super::settings::{CandidateCutter, PlanSettings};
 use super::workpiece::SurfaceFigures;
 use crate::planning::{Confidence, Level, Reason, SurfaceEvidence, SurfaceWeakness};
 

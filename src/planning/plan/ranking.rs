@@ -1,20 +1,15 @@
 //! The ranking of all candidates on a part: directions by estimate, the best of each candidate milled, sorted by the time
 //! of the tips' path.
 
-use super::candidate::CandidateCutter;
 use super::candidate_plan::{CandidatePlan, NotRankedReason, UnrankedCandidate};
-use super::cells::Cells;
-use super::drawn_places::{DrawnPlace, ESTIMATED_ON, Set, drawn, within};
 use super::estimated_candidate::EstimatedCandidate;
 use super::family::{Family, Heading};
 use super::judged::KEPT;
 use super::milled_plan::{Draft, MilledPlan, NoPlan, Planner};
 use super::operations::{OperationsPlan, operations};
-use super::prepared::rows_of;
-use super::region::Region;
-use super::rest::{drawn_until, left_by};
-use super::settings::PlanSettings;
-use super::stations::stations;
+use super::settings::{CandidateCutter, PlanSettings};
+use super::spacing::rows_of;
+use super::stations::{Cells, DrawnPlace, ESTIMATED_ON, Region, Set, drawn, drawn_until, left_by, stations, within};
 use super::workpiece::{SurfaceFigures, Workpiece};
 use crate::milling::{Cutter, Profile};
 use crate::planning::{Confidence, SurfaceEvidence, SurfaceWeakness};

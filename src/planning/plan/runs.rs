@@ -1,9 +1,8 @@
 //! The runs of planes in one direction: where they touch what is to be machined, with the tips of the cutter along them.
 
-use super::family::Heading;
-use super::prepared::Prepared;
-use super::region::Region;
-use super::spread::Spread;
+use super::family::{Heading, Spread};
+use super::spacing::Prepared;
+use super::stations::Region;
 use super::travel;
 use super::workpiece::Workpiece;
 use crate::milling::Profile;

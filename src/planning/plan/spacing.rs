@@ -1,8 +1,9 @@
-//! The largest spacing of neighbouring planes at a slope and direction, for one cutter and scallop height.
+//! The largest spacing of neighbouring planes at a slope and direction, for one cutter and scallop height; and a candidate with its tables, which do
+//! not depend on the direction.
 
-use super::candidate::FeedRange;
-use super::slopes::{SlopePlace, sines};
-use super::tangent::Tangent;
+use super::settings::{CandidateCutter, FeedRange, PlanSettings};
+use super::tangent::{SlopePlace, Tangent, sines};
+use super::workpiece::Workpiece;
 use crate::milling::{Contact, Cutter, CuttingLimits, EvaluatedPass, Model, NoAnswer, Pass, Profile, Runout, SurfaceCurvature};
 use crate::quantity::Length;
 use rayon::prelude::*;
@@ -335,10 +336,59 @@ fn interpolated_pair(nodes: &[[f64; 2]], place: SlopePlace, cos_alpha: f64) -> [
     })
 }
 
+/// A candidate with its spacings and feeds.
+#[derive(Debug, Clone)]
+pub(super) struct Prepared {
+    pub(super) index: usize,
+    pub(super) candidate: CandidateCutter,
+    pub(super) profile: Profile,
+    pub(super) spacing: CutterSpacing,
+    pub(super) feeds: FeedLaw,
+    pub(super) range: Option<FeedRange>,
+    /// The feed rate of links on the surface and of plunges, in mm/s.
+    pub(super) link_rate: f64,
+}
+
+impl Prepared {
+    /// The candidate with spacings at the rows of slopes that `rows` marks. Once `stop` returns true, it ends early
+    /// with spacings that must be discarded.
+    pub(super) fn new(
+        index: usize,
+        candidate: &CandidateCutter,
+        settings: &PlanSettings,
+        rows: &[bool],
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Self {
+        let feed_rate = settings.machine.limits.feed_rate.mm_s();
+        let range = candidate.drive.map(|drive| FeedRange::of(drive, &settings.machine));
+        let (spacing, feeds) = CutterSpacing::new(&SpacingInputs {
+            cutter: candidate.cutter,
+            height: settings.scallop_height,
+            model: settings.model,
+            feeds: range,
+            feed_rate,
+            is_needed: &|row| rows[row] && !stop(),
+        });
+        let link_rate = range.map_or(feed_rate, |range| range.rate(range.largest));
+        Self { index, candidate: *candidate, profile: candidate.cutter.profile(), spacing, feeds, range, link_rate }
+    }
+}
+
+/// For each row of the tables, whether a slope of the workpiece needs it.
+pub(super) fn rows_of(workpiece: &Workpiece) -> Vec<bool> {
+    let mut rows = vec![false; sines().len()];
+    for tangent in &workpiece.tangents {
+        let row = tangent.place.row as usize;
+        rows[row] = true;
+        rows[row + 1] = true;
+    }
+    rows
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planning::plan::slopes::place_of;
+    use crate::planning::plan::tangent::place_of;
 
     /// Pseudo-random numbers, the same in each run.
     fn random(state: &mut u64) -> f64 {

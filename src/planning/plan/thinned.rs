@@ -5,15 +5,13 @@
 //! each place that is worse than before.
 
 use super::cut_lines::{Columns, CutLines};
-use super::family::{Family, Heading};
+use super::family::{Family, Heading, Spread};
 use super::judged::Judged;
 use super::milled_plan::{CHORD_SHARE, MilledPlan, NoPlan, Planner};
-use super::order::Order;
-use super::prepared::Prepared;
 use super::runs::{Run, RunTip, target_under};
-use super::spread::Spread;
+use super::spacing::Prepared;
 use super::stations::Station;
-use super::tour::Tour;
+use super::tour::{Order, Tour};
 use super::workpiece::Workpiece;
 use crate::numerics::vector::mixed;
 use rayon::prelude::*;
