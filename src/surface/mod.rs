@@ -1,13 +1,9 @@
 //! Surfaces given by sample points or facets: file readers, moments, principal axes, shape and meshes.
 
 mod bezier;
-mod bounds;
-mod delaunay;
 mod grid;
 pub mod mesh;
 mod moments;
-mod piece;
-mod principal_axes;
 pub mod read;
 mod received;
 mod sampled;
@@ -16,11 +12,9 @@ mod triangulation;
 mod unit;
 
 pub use bezier::{Bezier, BezierError};
-pub use bounds::Bounds;
 pub use grid::{Grid, GridError};
 pub use mesh::{FinishFacet, Mesh, MeshBuilder, MeshError};
-pub use moments::Moments;
-pub use principal_axes::PrincipalAxes;
+pub use moments::{Bounds, Moments, PrincipalAxes};
 pub(crate) use received::{MOST_FACETS, ReceivedSurface};
 pub use sampled::{Facing, SampledSurface};
 pub use shape::{Basis, Shape, ShapeError};

@@ -1,7 +1,7 @@
 //! The sums over the points and facets of a surface while it is being received; facets are summed separately by the
 //! direction of their normals.
 
-use super::piece::Piece;
+use super::moments::Piece;
 use super::{Basis, LARGEST_COORDINATE, Shape, ShapeError, Sink, Unit};
 use crate::numerics::vector::{cross, difference, length};
 

@@ -1,7 +1,7 @@
 //! The shape of a surface for the choice of a cutter: the size, elongation and slope of an equivalent inclined
 //! rectangle.
 
-use super::piece::Piece;
+use super::moments::Piece;
 use super::{Bounds, LARGEST_COORDINATE, PrincipalAxes, Unit};
 use crate::quantity::{Angle, Area, FormFactor};
 use nalgebra::Matrix3;

@@ -10,7 +10,7 @@
 //! **Planes beside fillets.** CAD systems write a plane as a few large facets, and the fillet that touches it as narrow
 //! strips. At the border between them the surface has the normal of the plane; the first strip is a chord, turned by
 //! half of its angle. Whether a facet counts at a corner, and as a neighbour, therefore depends on the area of its flat
-//! region (`flat_regions`). Regions smaller than a quarter of the largest at the corner do not count for the corner's
+//! region ([`areas_of_flat_regions`]). Regions smaller than a quarter of the largest at the corner do not count for the corner's
 //! normal. Facets whose regions differ by more than this factor are not neighbours. A facet inside a flat region has
 //! the curvature 0. As a result, a plane has no curvature up to its border, and the first strip of a fillet has the
 //! curvature of the fillet.
@@ -30,8 +30,6 @@
 //! **Noise.** Errors d of coordinates turn the normals of facets of size L by d/L, and change the curvature by d/L^2:
 //! 0.01/mm for a micrometre and facets of 0.01 mm.
 
-use super::fans::{Fans, LARGEST_FAN};
-use super::flat_regions::{SAME_PLANE, areas_of_flat_regions};
 use super::{Mesh, Visibility};
 use crate::cancellation::collect_until;
 use crate::numerics::vector::{cross, difference, dot, length};
@@ -277,3 +275,121 @@ fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
     let per_length = length.recip();
     (length > 1e-150).then(|| vector.map(|part| part * per_length))
 }
+
+/// The largest number of facets around a point that are examined if some are beyond a crease. If there are more, this
+/// many are taken, evenly spread in the order of the file. This bounds the time for a million facets around one point.
+const LARGEST_FAN: usize = 64;
+
+/// The facets around each point: those of point p are `facets[starts[p]..starts[p + 1]]`.
+pub(super) struct Fans {
+    starts: Vec<u32>,
+    facets: Vec<u32>,
+}
+
+/// The number of facets between two checks for cancellation.
+const TURN: usize = 65_536;
+
+impl Fans {
+    /// The facets around all points; `None` once `stop` returns true.
+    pub(super) fn until(mesh: &Mesh, stop: &(dyn Fn() -> bool + Sync)) -> Option<Self> {
+        let mut starts = vec![0_u32; mesh.points().len() + 1];
+        for some in mesh.triangles().chunks(TURN) {
+            if stop() {
+                return None;
+            }
+            for &point in some.iter().flatten() {
+                starts[point as usize + 1] += 1;
+            }
+        }
+        for point in 1..starts.len() {
+            starts[point] += starts[point - 1];
+        }
+        let mut next = starts.clone();
+        let mut facets = vec![0; 3 * mesh.triangles().len()];
+        for (first, some) in (0_u32..).step_by(TURN).zip(mesh.triangles().chunks(TURN)) {
+            if stop() {
+                return None;
+            }
+            for (facet, triangle) in (first..).zip(some) {
+                for &point in triangle {
+                    facets[next[point as usize] as usize] = facet;
+                    next[point as usize] += 1;
+                }
+            }
+        }
+        Some(Self { starts, facets })
+    }
+
+    /// The facets around a point.
+    pub(super) fn around(&self, point: usize) -> &[u32] {
+        &self.facets[self.starts[point] as usize..self.starts[point + 1] as usize]
+    }
+}
+
+/// The largest angle in rad between normals of one plane. Files in single precision round coordinates of 100 mm by 4e-6
+/// mm, which turns the normals of facets of 0.1 mm by 4e-5 rad.
+const SAME_PLANE: f64 = 1e-4;
+
+/// The number of facets between two checks for cancellation.
+const EXAMINED_AT_ONCE: usize = 1024;
+
+/// For each facet, the area of its flat region in mm^2. A region has all facets that are connected with its first facet
+/// by common points and have the same normal. All normals are compared with that of the first facet, so that a gently
+/// curved surface does not become one region.
+///
+/// Points with more than [`LARGEST_FAN`] facets do not extend a region, because the time would grow with the square of
+/// their number. The facets of such a fan are also connected at its rim.
+///
+/// Once `stop` returns true, it returns early, and areas are missing.
+fn areas_of_flat_regions(
+    triangles: &[[u32; 3]],
+    fans: &Fans,
+    normals: &[[f64; 3]],
+    areas: &[f64],
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Vec<f64> {
+    // 1 - cos(x) = x^2/2, to 1e-17 for an angle of 1e-4.
+    let least_cos = 1.0 - 0.5 * SAME_PLANE * SAME_PLANE;
+    let mut of_regions = vec![f64::NAN; triangles.len()];
+    let mut members: Vec<u32> = Vec::new();
+    let mut examined = 0_usize;
+    for (first, normal) in normals.iter().enumerate() {
+        if !of_regions[first].is_nan() {
+            continue;
+        }
+        members.clear();
+        #[expect(clippy::cast_possible_truncation, reason = "the bound on facets is below 2^32")]
+        members.push(first as u32);
+        of_regions[first] = 0.0;
+        let (mut next, mut area) = (0, 0.0);
+        while next < members.len() {
+            let facet = members[next] as usize;
+            next += 1;
+            examined += 1;
+            if examined.is_multiple_of(EXAMINED_AT_ONCE) && stop() {
+                return of_regions;
+            }
+            area += areas[facet];
+            for point in triangles[facet] {
+                let fan = fans.around(point as usize);
+                if fan.len() > LARGEST_FAN {
+                    continue;
+                }
+                for &other in fan {
+                    let is_new = of_regions[other as usize].is_nan();
+                    if is_new && dot(normals[other as usize], *normal) >= least_cos {
+                        of_regions[other as usize] = 0.0;
+                        members.push(other);
+                    }
+                }
+            }
+        }
+        for &member in &members {
+            of_regions[member as usize] = area;
+        }
+    }
+    of_regions
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,15 +1,8 @@
 //! Triangle meshes of surfaces: building, visibility from above, connected pieces, selection and curvature.
 
 mod builder;
-#[cfg(test)]
-mod curvature_tests;
 mod facet_curvature;
-mod fans;
-mod finish_facet;
-mod flat_regions;
-mod left_out;
 mod merge;
-mod occluded;
 mod pieces;
 mod selection;
 #[cfg(test)]
@@ -18,18 +11,14 @@ pub(super) mod shapes;
 #[allow(clippy::float_cmp)] // exact by construction where compared for equality
 mod tests;
 mod thinning;
-mod view;
 mod visibility;
-mod weld;
 
 pub use builder::{MeshBuilder, MeshSize};
 pub use facet_curvature::CREASE_ANGLE_DEG;
-pub use finish_facet::FinishFacet;
 pub use pieces::{Closure, Pieces};
 use selection::FileOrder;
-pub use selection::{Selection, SelectionError};
-pub use view::{NO_FACET, ViewFromAbove};
-pub use visibility::{AreaShares, FacetClass, Visibility};
+pub use selection::{FinishFacet, Selection, SelectionError};
+pub use visibility::{AreaShares, FacetClass, NO_FACET, ViewFromAbove, Visibility};
 
 use super::{Bounds, Sink};
 use crate::numerics::vector::{cross, difference, dot, length};
@@ -121,7 +110,7 @@ impl MeshBuilder {
     /// [`MeshError::PointOutOfRange`] for a coordinate out of bounds, [`MeshError::IndexOutOfRange`] for the number of
     /// a missing point.
     pub fn indexed(&mut self, points: &[[f64; 3]], triangles: &[[u64; 3]]) -> Result<(), MeshError> {
-        if let Some(point) = points.iter().position(|&point| !left_out::in_range(point)) {
+        if let Some(point) = points.iter().position(|&point| !builder::in_range(point)) {
             return Err(MeshError::PointOutOfRange { point });
         }
         for (number, triangle) in triangles.iter().enumerate() {

@@ -1,14 +1,15 @@
 //! Tests of the curvature estimate on surfaces whose curvature is known.
 
-use super::shapes::{finish_facets, grid, mesh, noise, solid_box};
-use super::{FinishFacet, MeshBuilder};
+use super::{half_of, tangents};
+use crate::surface::mesh::shapes::{finish_facets, grid, mesh, noise, solid_box};
+use crate::surface::mesh::{FinishFacet, MeshBuilder};
 use crate::surface::{Facing, Sink, Unit};
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use std::f64::consts::PI;
 
 /// The smallest and the largest normal curvature, by sampling directions, independently of eigenvalues.
 fn extremes(facet: &FinishFacet) -> (f64, f64) {
-    let (t, u) = super::facet_curvature::tangents(facet.normal);
+    let (t, u) = tangents(facet.normal);
     (0..180).map(|i| f64::from(i).to_radians().sin_cos()).map(|(sin, cos)| [0, 1, 2].map(|a| cos * t[a] + sin * u[a])).fold(
         (f64::INFINITY, f64::NEG_INFINITY),
         |(least, most), direction| {
@@ -214,11 +215,11 @@ fn sine_and_cosine_of_half_an_angle_are_those_of_the_arc_tangent() {
         let (y, x) = f64::from(degrees).to_radians().sin_cos();
         for length in [1e-9, 1.0, 7.0] {
             let (y, x) = (y * length, x * length);
-            let (sin, cos) = super::facet_curvature::half_of(y, x);
+            let (sin, cos) = half_of(y, x);
             let half = 0.5 * y.atan2(x);
             assert_abs_diff_eq!(sin, half.sin(), epsilon = 1e-15);
             assert_abs_diff_eq!(cos, half.cos(), epsilon = 1e-15);
         }
     }
-    assert_eq!(super::facet_curvature::half_of(0.0, 0.0), (0.0, 1.0));
+    assert_eq!(half_of(0.0, 0.0), (0.0, 1.0));
 }
