@@ -10,35 +10,27 @@
 //! summary if the file states it. A reader ends early only with an error of its source: a source that is no longer
 //! needed returns one.
 
-mod decimal;
 mod extremes;
 mod faces;
 mod format;
 mod input;
-mod known;
 mod obj;
 mod pcd;
 mod ply;
 mod ply_header;
-mod polygon;
-mod read_error;
 mod stl;
 mod text;
 mod three_mf;
-mod unit_name;
-mod utf_16;
-mod vertices;
 mod words;
 
 pub use format::{Format, FormatHint};
-pub use read_error::ReadError;
+pub use input::ReadError;
 pub use three_mf::DEFAULT_ARCHIVE_LIMIT;
 
 use super::{LARGEST_COORDINATE, Sink, Unit};
 use format::{FormatFamily, HEAD};
-use input::Input;
+use input::{Input, Utf16};
 use std::io::Read;
-use utf_16::Utf16;
 
 /// The default limit on the vertices of an OBJ, PLY or 3MF file, 480 MB of coordinates. [`Reader::with_vertex_limit`]
 /// changes it.

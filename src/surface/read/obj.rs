@@ -7,12 +7,9 @@
 //! surfaces are refused too, because their control points do not lie on the surface. A number may have a decimal comma. A comment may
 //! state the unit.
 
-use super::decimal::Decimals;
 use super::faces::Faces;
-use super::input::{Input, LONGEST_LINE, too_long};
-use super::read_error::ReadError;
-use super::unit_name::CommentedUnit;
-use super::words::{Words, trimmed};
+use super::input::{Input, LONGEST_LINE, ReadError, too_long};
+use super::words::{CommentedUnit, Decimals, Words, trimmed};
 use super::{Format, Notes, ReadSummary, Sink};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
 

@@ -4,11 +4,9 @@
 //! The fields `x`, `y` and `z` are read, wherever they stand. Points with the coordinates `nan` are directions without
 //! a measurement; they are counted and left out. Binary data are refused.
 
-use super::decimal::{Decimals, names_no_finite_number};
 use super::extremes::CoordinateRange;
-use super::input::Input;
-use super::read_error::ReadError;
-use super::words::{Words, trimmed};
+use super::input::{Input, ReadError};
+use super::words::{Decimals, Words, names_no_finite_number, trimmed};
 use super::{Format, Notes, ReadSummary, Sink};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
 

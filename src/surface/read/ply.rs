@@ -7,12 +7,10 @@
 //! read as well: every vertex after the first two of a strip forms a triangle with the two before it, and -1 starts a
 //! new strip. A number in text may have a decimal comma. A comment may state the unit.
 
-use super::decimal::{Decimals, unbounded};
 use super::faces::{Faces, too_many_vertices};
-use super::input::Input;
+use super::input::{Input, ReadError};
 use super::ply_header::{self, Element, PlyKind, Property, Type, integer};
-use super::read_error::ReadError;
-use super::words::Words;
+use super::words::{Decimals, Words, unbounded};
 use super::{Format, LARGEST_COORDINATE, Notes, ReadSummary, Sink};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
 

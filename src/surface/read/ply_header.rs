@@ -1,10 +1,8 @@
 //! The header of PLY: the lines from `ply` to `end_header`.
 
 use super::Format;
-use super::input::Input;
-use super::read_error::ReadError;
-use super::unit_name::CommentedUnit;
-use super::words::{Words, line_end};
+use super::input::{Input, ReadError};
+use super::words::{CommentedUnit, Words, line_end};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
 use crate::surface::Unit;
 

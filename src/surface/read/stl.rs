@@ -10,9 +10,8 @@
 //!
 //! Normals are ignored in both, because the corners define them: zero and NaN are accepted.
 
-use super::decimal::{Decimals, unbounded};
-use super::input::Input;
-use super::read_error::ReadError;
+use super::input::{Input, ReadError};
+use super::words::{Decimals, unbounded};
 use super::{Format, LARGEST_COORDINATE, Notes, ReadSummary, Sink};
 use crate::file_fault::{FileFault, FileFaultKind, Flaw};
 

@@ -1,7 +1,6 @@
 //! The layout of a text: how lines are split into columns and numbers.
 
-use super::super::decimal::{bounded, names_no_finite_number, number, unbounded};
-use super::super::words::{trimmed, trimmed_start};
+use super::super::words::{bounded, names_no_finite_number, number, trimmed, trimmed_start, unbounded};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
 
 /// The separators of columns.

@@ -15,11 +15,9 @@ mod ambiguity;
 mod layout;
 mod probe;
 mod table_header;
-mod text_evidence;
 
 use super::extremes::CoordinateRange;
-use super::input::Input;
-use super::read_error::ReadError;
+use super::input::{Input, ReadError};
 use super::words::{trimmed, trimmed_start};
 use super::{Format, Notes, ReadSummary, Sink};
 use crate::file_fault::{FileFaultKind, Flaw};

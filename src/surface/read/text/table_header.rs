@@ -1,6 +1,6 @@
 //! Headers of tables of points: which columns are x, y and z, and in which unit.
 
-use super::super::unit_name::length_unit;
+use super::super::words::length_unit;
 use super::layout::Separator;
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
 use crate::surface::Unit;

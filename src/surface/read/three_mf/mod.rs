@@ -15,19 +15,16 @@
 //! change the surface, such as materials, are ignored; a model that requires any other extension is refused.
 
 mod build;
-mod cycle;
 mod package_model;
 mod volumes;
 mod xml;
 mod zipped;
 
-use super::input::Input;
-use super::read_error::ReadError;
+use super::input::{Input, ReadError};
 use super::{Format, Notes, ReadSummary, Reader, Sink};
 use crate::archive::{Archive, ArchiveLimits};
 use crate::file_fault::{FileFaultKind, Flaw};
-use build::Build;
-use cycle::refuse_cycles;
+use build::{Build, refuse_cycles};
 use package_model::{PackageModel, Room};
 use std::borrow::Cow;
 use std::collections::HashMap;

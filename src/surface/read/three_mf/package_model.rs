@@ -1,9 +1,9 @@
 //! Parser of a 3MF model: its unit, its objects and its build items.
 
 use super::super::LARGEST_COORDINATE;
-use super::super::decimal::coordinate;
 use super::super::faces::too_many_vertices;
-use super::super::read_error::ReadError;
+use super::super::input::ReadError;
+use super::super::words::coordinate;
 use super::Package;
 use super::xml::{self, Event, XmlElement};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};

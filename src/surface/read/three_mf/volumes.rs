@@ -1,7 +1,7 @@
 //! The volumes of a part that the settings of a slicer exclude from it: PrusaSlicer names ranges of triangles of an
 //! object, Bambu Studio and OrcaSlicer name components.
 
-use super::super::read_error::ReadError;
+use super::super::input::ReadError;
 use super::Package;
 use super::xml::{self, Event, XmlElement};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};

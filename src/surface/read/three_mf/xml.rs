@@ -1,6 +1,6 @@
 //! Elements of an XML file in an archive, read as a stream in bounded memory.
 
-use super::super::read_error::ReadError;
+use super::super::input::ReadError;
 use super::Package;
 use crate::archive::ArchiveLimits;
 use crate::file_fault::{FileFaultKind, Flaw};

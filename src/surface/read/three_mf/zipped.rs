@@ -1,7 +1,7 @@
 //! A surface file that is the only file of a ZIP archive.
 
 use super::super::format::EXPECTED;
-use super::super::read_error::ReadError;
+use super::super::input::ReadError;
 use super::super::{FormatHint, ReadSummary, Reader, Sink};
 use super::Package;
 use crate::archive::{Archive, ArchiveFault, ArchiveLimits, Inflating};
