@@ -5,10 +5,8 @@
 
 mod machine;
 mod path_time;
-mod presets;
 mod travel_time;
 
-pub use machine::{Machine, TimedMove};
+pub use machine::{Machine, PRESETS, Preset, TimedMove};
 pub use path_time::path_time;
-pub use presets::{PRESETS, Preset};
 pub use travel_time::{MachineLimits, TravelCase, speed_after, travel_time};

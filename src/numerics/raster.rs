@@ -1,6 +1,7 @@
-//! Rasters: values on square cells, and triangles scanned exactly at cell centres.
+//! Rasters: values on square cells, triangles scanned exactly at cell centres, and the Z-order curve (Morton's), which fills the plane: neighbours
+//! along it are neighbours in the plane.
 
-use super::rounding::{ceil, floor};
+use super::scalar::{ceil, floor};
 
 /// The position and size of a raster of square cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,6 +142,20 @@ pub fn scan(mut corners: [[f64; 3]; 3], first: [i64; 2], last: [i64; 2], mut vis
             visit(column, row, z, level_edge || u - left.0 < ON_EDGE || right.0 - u < ON_EDGE);
         }
     }
+}
+
+/// The place along the curve of a cell with these coordinates under 2^16.
+pub(crate) fn z_order([x, y]: [u32; 2]) -> u32 {
+    interleaved(x) | interleaved(y) << 1
+}
+
+/// The 16 low bits with a zero bit after each.
+fn interleaved(bits: u32) -> u32 {
+    let mut x = bits & 0xffff;
+    for (shift, mask) in [(8, 0x00ff_00ff), (4, 0x0f0f_0f0f), (2, 0x3333_3333), (1, 0x5555_5555)] {
+        x = (x | x << shift) & mask;
+    }
+    x
 }
 
 #[cfg(test)]

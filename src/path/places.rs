@@ -10,8 +10,8 @@
 
 use super::drop_cutter::DropCutter;
 use crate::numerics::random::Random;
+use crate::numerics::raster::z_order;
 use crate::numerics::vector::{cross, difference, length, mixed};
-use crate::numerics::z_order::z_order;
 use crate::surface::Mesh;
 use rayon::prelude::*;
 

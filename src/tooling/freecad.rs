@@ -2,9 +2,8 @@
 //! `.fctl` file lists the tools of a library with their numbers.
 
 use super::cutter_shape::{Dimension, Dimensions, LibraryShape};
-use super::dimension::{LengthUnit, angle_deg, number_with_unit, shown, teeth, tool_number};
+use super::dimension::{LengthUnit, Scalar, angle_deg, number_with_unit, shown, teeth, tool_number};
 use super::library_fault::{Flaws, json_flaw};
-use super::scalar::Scalar;
 use super::{MOST_TOOLS, ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::file_fault::{FileFault, Flaw};
 use crate::milling::Cutter;

@@ -6,9 +6,8 @@
 //! preset with "finish" in its name, otherwise from the first preset.
 
 use super::cutter_shape::{Dimension, Dimensions, LibraryShape};
-use super::dimension::{LengthUnit, spindle_speed, teeth, tool_number};
+use super::dimension::{LengthUnit, Scalar, spindle_speed, teeth, tool_number};
 use super::library_fault::{Flaws, json_flaw};
-use super::scalar::Scalar;
 use super::{ReadTool, ToolLibrary, ToolParts, ToolPlace};
 use crate::file_fault::{FileFault, Flaw};
 use crate::json::each;

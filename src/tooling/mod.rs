@@ -16,7 +16,6 @@ mod dimension;
 mod freecad;
 mod fusion;
 mod library_fault;
-mod scalar;
 
 pub use library_fault::{FaultyTool, LibraryFaults};
 

@@ -6,7 +6,7 @@ use crate::http::codes::RequestFault;
 use crate::http::json_body::WrittenJson;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, Member, Object, ObjectSchema, Whole, items, text};
 use crate::http::wire::{CHECK_FIGURES, Extreme, Extremes, Figure, Heights};
-use crate::numerics::rounding::to_digits;
+use crate::numerics::scalar::to_digits;
 use serde::Serialize;
 use serde_json::value::RawValue;
 use utoipa::openapi::schema::{ArrayBuilder, ObjectBuilder, Type};

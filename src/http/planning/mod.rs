@@ -17,7 +17,6 @@ mod plan_answer;
 mod plan_task;
 mod program;
 mod recommendation;
-mod simulation;
 mod surface_answer;
 mod upload;
 

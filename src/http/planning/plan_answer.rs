@@ -1,15 +1,17 @@
-//! The answer of a plan of one or several operations, and its passes, point by point.
+//! The plans of all candidates on a part; the answer of a plan of one or several operations, and its passes, point by point.
 
 use super::candidates::line_degrees;
-use super::simulation::Simulation;
+use super::parameters::Parameters;
 use crate::http::wire::{NamedCandidate, answer};
+use crate::milling::Model;
 use crate::path::MoveKind;
 use crate::planning::machined_surface::{MachinedSurface, Stop};
 use crate::planning::plan::{
-    self, CandidatePlan, CutPoint, FinishFigures, Lines, MilledFigures, OperationPlan, OperationsPlan, PassPoint, Pattern, SpacingFigures,
-    TourFigures,
+    self, CandidatePlan, CutPoint, FinishFigures, Lines, MilledFigures, OperationPlan, OperationsPlan, PassPoint, Pattern, PlanSettings,
+    Ranking, SpacingFigures, TourFigures, rank,
 };
 use crate::quantity::{Angle, Length, Time};
+use crate::surface::Shape;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -287,4 +289,27 @@ fn column<T>(points: &[PassPoint], of: impl FnMut(&PassPoint) -> T) -> Vec<T> {
 
 fn cut_column<T>(points: &[PassPoint], of: impl Fn(&CutPoint) -> Option<T>) -> Vec<Option<T>> {
     points.iter().map(|point| point.cut.as_ref().and_then(&of)).collect()
+}
+
+/// All candidates planned on a part.
+pub(super) struct Simulation {
+    pub(super) settings: PlanSettings,
+    pub(super) ranking: Ranking,
+}
+
+impl Simulation {
+    /// Plans the candidates at these positions in the request. Returns `None` once `stop` returns true.
+    pub(super) fn run(
+        machined: &MachinedSurface,
+        parameters: &Parameters,
+        places: &[usize],
+        shape: &Shape,
+        model: Model,
+        stop: Stop,
+    ) -> Option<Self> {
+        let settings = parameters.settings(shape, model);
+        let candidates: Vec<_> = places.iter().map(|&place| parameters.candidates[place].candidate).collect();
+        let ranking = rank(&machined.workpiece, &candidates, &settings, machined.facets.evidence(), stop)?;
+        Some(Self { settings, ranking })
+    }
 }

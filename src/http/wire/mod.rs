@@ -15,7 +15,6 @@ mod machine_object;
 mod not_ranked;
 mod roughness_object;
 mod source;
-mod summary;
 mod surface;
 mod warning_object;
 
@@ -27,11 +26,12 @@ pub(crate) use contact_parameters::{
 };
 pub(crate) use cutter_object::{AnyCutter, BallEndCutter, TEETH, ToroidalCutter};
 pub(crate) use facet_selection::{FACETS_NAME, PIECES_NAME, SelectKind};
-pub(crate) use figures::{CHECK_FIGURES, COMMON_FIGURES, Check, Figure, Figures, Get, Heights};
+pub(crate) use figures::{
+    CHECK_FIGURES, COMMON_FIGURES, Check, Extreme, Extremes, Failure, Figure, Figures, Get, Heights, InOrder, Summary,
+};
 pub(crate) use machine_object::{CLEARANCE_HEIGHT, MACHINE, MAX_SPINDLE_SPEED, MachineKind, PATH_TOLERANCE, RAPID_RATE, TOOL_CHANGE};
 pub(crate) use not_ranked::NotRanked;
 pub(crate) use roughness_object::{ROUGHNESS, RoughnessKind, SCALLOP_HEIGHT, plan_tolerance, stated_height};
 pub(crate) use source::{Source, SurfaceWithSource, UNIT};
-pub(crate) use summary::{Extreme, Extremes, Failure, InOrder, Summary};
 pub(crate) use surface::{PathPoints, SURFACE, StatedSurface};
 pub(crate) use warning_object::Warning;

@@ -20,14 +20,12 @@
 mod cutter_body;
 mod inverses;
 mod marks;
-mod overlap;
 mod ridge;
 mod search;
 #[cfg(test)]
 mod tests;
 
-use super::gouging;
-use super::{Contact, Cutter, NoAnswer, Pass, Runout, ScallopHeight};
+use super::{Contact, Cutter, NoAnswer, Pass, Runout, ScallopHeight, gouging};
 use crate::numerics::bracketed_root;
 use crate::quantity::{Direction, Length};
 use cutter_body::CutterBody;

@@ -9,7 +9,6 @@
 //! `ranking` is the entry point, `plan_confidence` rates it, and `passes` lists the points of the path. All lengths are in mm,
 //! all times in s.
 
-mod arrangement;
 mod candidate_plan;
 mod cut_lines;
 mod estimate;

@@ -4,7 +4,7 @@
 use super::workpiece::Workpiece;
 use crate::milling::Profile;
 use crate::numerics::random::Random;
-use crate::numerics::z_order::z_order;
+use crate::numerics::raster::z_order;
 use crate::path::{Place, Standing};
 use rayon::prelude::*;
 use std::collections::HashSet;

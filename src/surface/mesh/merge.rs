@@ -2,7 +2,7 @@
 //! bounded for any file.
 
 use crate::numerics::raster::scan;
-use crate::numerics::rounding::{ceil, floor};
+use crate::numerics::scalar::{ceil, floor};
 use crate::surface::Bounds;
 
 /// The largest heights at the nodes (i cell, j cell) for whole numbers i and j; cell is a power of two.

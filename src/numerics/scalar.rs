@@ -1,4 +1,4 @@
-//! A bracketed root finder for increasing functions.
+//! Functions of one number: a bracketed root finder, and rounding to whole numbers and to significant digits.
 
 /// The root of `f` between `low`, where f is negative, and `high`, where f is positive, to the rounding of numbers of
 /// their size. Chandrupatla's method uses inverse quadratic interpolation if it is safe and bisection otherwise. It
@@ -41,6 +41,30 @@ pub(crate) fn bracketed_root<E>(low: f64, high: f64, mut f: impl FnMut(f64) -> R
     }
 }
 
+/// The smallest whole number that is not below `value`. A value beyond the bounds of the type becomes the nearest bound.
+/// The standard library's functions for whole numbers are slow calls unless SSE4.1 is assumed.
+#[inline]
+#[expect(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "numbers beyond 2^52 are whole")]
+pub(crate) fn ceil(value: f64) -> i64 {
+    let truncated = value as i64;
+    truncated.saturating_add(i64::from((truncated as f64) < value))
+}
+
+/// The largest whole number that is not above `value`, with the same limits.
+#[inline]
+pub(crate) fn floor(value: f64) -> i64 {
+    ceil(-value).saturating_neg()
+}
+
+/// `value` rounded to `digits` significant digits. A double has at most 17.
+pub(crate) fn to_digits(value: f64, digits: u32) -> f64 {
+    if digits >= 17 {
+        return value;
+    }
+    let text = format!("{value:.*e}", digits.saturating_sub(1) as usize);
+    text.parse().unwrap_or_else(|_| unreachable!("a number that was written can be read"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,6 +94,14 @@ mod tests {
             assert_abs_diff_eq!(found, at, epsilon = 1e-13);
             // Bisection alone takes 53 steps from 2 to 2 EPSILON.
             prop_assert!(steps <= 60, "{steps} steps");
+        }
+    }
+
+    #[test]
+    #[expect(clippy::cast_possible_truncation, reason = "as in the functions")]
+    fn whole_numbers_on_both_sides_are_those_of_the_library() {
+        for value in [0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.5, -2.5, 1e12, -1e12, 4_503_599_627_370_495.5, 1e300, -1e300, 1e-300] {
+            assert_eq!((ceil(value), floor(value)), (value.ceil() as i64, (value.floor() as i64).max(-i64::MAX)), "{value}");
         }
     }
 }
