@@ -5,9 +5,7 @@ mod about;
 mod app_state;
 mod calculation;
 mod codes;
-mod compression;
 mod document;
-mod examples;
 mod json_body;
 pub mod metrics;
 mod middleware;
@@ -46,7 +44,7 @@ pub fn routes() -> Routes {
         .merge(planning::routes())
         .merge(health_routes())
         .documented(Single, routes!(about::show))
-        .with_examples(examples::examples!("about"))
+        .with_examples(document::examples!("about"))
         .documented(Single, routes!(pages::openapi))
         .documented(Single, routes!(pages::openapi_3_0))
         .nested(Single, pages::routes())

@@ -1,4 +1,5 @@
-//! Pages for people: the workbench, an interactive page with its scripts and styles embedded in the binary, and the documentation of the API.
+//! Pages for people: the workbench, an interactive page with its scripts and styles embedded in the binary, and the
+//! documentation of the API.
 
 use super::app_state::AppState;
 use super::{OPENAPI_3_0_JSON, openapi_json};

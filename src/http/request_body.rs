@@ -1,4 +1,5 @@
-//! A request's body: collected into one buffer within the memory budget, or passed on to a reader that waits for data on a thread of its own.
+//! A request's body: collected into one buffer within the memory budget, or passed on to a reader that waits for data on a
+//! thread of its own.
 
 use super::codes::ServiceProblem;
 use super::problem::Problem;

@@ -1,5 +1,5 @@
-//! A machine tool: the limits of its feed moves, its rapid rate, its spindle speed and its clearance height; and named classes of machines with typical
-//! limits and their source.
+//! A machine tool: the limits of its feed moves, its rapid rate, its spindle speed and its clearance height; and named classes
+//! of machines with typical limits and their source.
 
 use super::{MachineLimits, path_time, travel_time};
 use crate::numerics::vector::{difference, dot, length};

@@ -1,5 +1,5 @@
-//! Rasters: values on square cells, triangles scanned exactly at cell centres, and the Z-order curve (Morton's), which fills the plane: neighbours
-//! along it are neighbours in the plane.
+//! Rasters: values on square cells, triangles scanned exactly at cell centres, and the Z-order curve (Morton's), which fills
+//! the plane: neighbours along it are neighbours in the plane.
 
 use super::scalar::{ceil, floor};
 

@@ -1,4 +1,5 @@
-//! Operations on small vectors in arrays, whose squares must neither overflow nor underflow; and the hypotenuse, for which they may.
+//! Operations on small vectors in arrays, whose squares must neither overflow nor underflow; and the hypotenuse, for which they
+//! may.
 
 /// a . b
 #[inline]

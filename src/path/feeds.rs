@@ -1,5 +1,5 @@
-//! The largest feeds along a path with which tooth marks keep a tolerance, and what is left with given feeds: the stretches of the path along
-//! which the cutter holds a point above the surface.
+//! The largest feeds along a path with which tooth marks keep a tolerance, and what is left with given feeds: the stretches of
+//! the path along which the cutter holds a point above the surface.
 
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts are below 2^52")]
 

@@ -1,4 +1,5 @@
-//! The finish that a path leaves: shares of the area, percentiles, and the worst places, found by climbing from the worst of random ones.
+//! The finish that a path leaves: shares of the area, percentiles, and the worst places, found by climbing from the worst of
+//! random ones.
 
 #![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts are below 2^52")]
 

@@ -1,5 +1,5 @@
-//! The path of the tip over a line that is straight seen from above, with the corners and edges of facets that the cutter passes between two
-//! samples of the line, seen by neither.
+//! The path of the tip over a line that is straight seen from above, with the corners and edges of facets that the cutter
+//! passes between two samples of the line, seen by neither.
 
 use super::bottom::{Bottom, Touching};
 use super::drop_cutter::{DropCutter, Touch};

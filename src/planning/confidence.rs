@@ -1,4 +1,5 @@
-//! The confidence in plans that are milled, in checks of paths, and in recommendations by the published method: a level, and the reasons that lower it.
+//! The confidence in plans that are milled, in checks of paths, and in recommendations by the published method: a level, and
+//! the reasons that lower it.
 
 use crate::quantity::Length;
 use std::fmt;

@@ -1,4 +1,5 @@
-//! Sums over points and triangles of a surface: the box around them, weight, first and second moments, slopes; and the principal axes that follow.
+//! Sums over points and triangles of a surface: the box around them, weight, first and second moments, slopes; and the
+//! principal axes that follow.
 
 use crate::numerics::vector::{difference, length};
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};

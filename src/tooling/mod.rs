@@ -1,13 +1,12 @@
-//! Readers of tool libraries, which return finishing cutters: Autodesk Fusion (`.json`, `.tools`), FreeCAD (`.fctb`,
-//! and zips of them with their `.fctl`), and CSV.
+//! Readers of tool libraries, which return finishing cutters: Autodesk Fusion (`.json`, `.tools`), FreeCAD (`.fctb`, and zips
+//! of them with their `.fctl`), and CSV.
 //!
 //! A library may contain tools of any type. Ball-end, bull-nose, flat and tapered cutters, lenses and barrels are read; the
-//! others are counted by type. A finishing cutter with a fault is listed with all its faults, and the other tools are still read. Callers
-//! must show the faulty cutters, because one of them may be the best. Only a file that cannot be read as a library is
-//! refused as a whole. Lengths are in the unit that each tool states.
+//! others are counted by type. A finishing cutter with a fault is listed with all its faults, and the other tools are still
+//! read. Callers must show the faulty cutters, because one of them may be the best. Only a file that cannot be read as a
+//! library is refused as a whole. Lengths are in the unit that each tool states.
 //!
-//! The format is detected from the content. Memory is bounded by [`MOST_TOOLS`], [`MOST_FAULTY`] and the limits in
-//! `container`.
+//! The format is detected from the content. Memory is bounded by [`MOST_TOOLS`], [`MOST_FAULTY`] and the limits in `container`.
 
 mod container;
 mod csv;

@@ -1,5 +1,5 @@
-//! The columns of a batch's answer: which the request selects, with how many significant digits, and their text. Each thread writes its rows
-//! directly as JSON text, so that no column is in memory both as numbers and as text.
+//! The columns of a batch's answer: which the request selects, with how many significant digits, and their text. Each thread
+//! writes its rows directly as JSON text, so that no column is in memory both as numbers and as text.
 
 use super::Calculation;
 use crate::http::codes::RequestFault;

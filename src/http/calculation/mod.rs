@@ -18,7 +18,7 @@ use max_feed::MaxFeed;
 use max_step_over::MaxStepOver;
 use scallop_height::ScallopHeightOperation;
 
-use super::examples::examples;
+use super::document::examples;
 use super::reading::{Faulted, Faults, Members};
 use super::routes::Routes;
 use super::wire::{ContactParameters, Figure, Figures, Heights, SharedParameters, StatedParameters};

@@ -1,4 +1,5 @@
-//! The codes in answers: of warnings, of reasons that lower the confidence in a recommendation, and of reasons why a cutter is not ranked.
+//! The codes in answers: of warnings, of reasons that lower the confidence in a recommendation, and of reasons why a cutter is
+//! not ranked.
 
 use super::{codes, same_names};
 use crate::planning::plan::NotRankedReason;

@@ -1,5 +1,5 @@
-//! The codes of problems: of faults in a request's members, of faults of a file, of reasons why a valid request has no answer, and the types of
-//! problems, each with its HTTP status.
+//! The codes of problems: of faults in a request's members, of faults of a file, of reasons why a valid request has no answer,
+//! and the types of problems, each with its HTTP status.
 
 use super::{codes, joined_codes, same_names};
 use crate::file_fault::FileFaultKind;

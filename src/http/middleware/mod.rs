@@ -18,7 +18,7 @@ use tower_http::catch_panic::CatchPanicLayer;
 
 use super::app_state::AppState;
 use super::codes::ServiceProblem;
-use super::compression::{accepts_gzip, compress};
+use super::json_body::{accepts_gzip, compress};
 use super::metrics::Metrics;
 use super::overload::Overload;
 use super::problem::Problem;

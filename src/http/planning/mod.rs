@@ -24,7 +24,7 @@ pub(super) use checked_path::{FEED_PLACES, PLACES};
 pub(super) use path_check::LARGEST_PROGRAM;
 pub(super) use path_object::MOST_POINTS as MOST_PATH_POINTS;
 
-use super::examples::examples;
+use super::document::examples;
 use super::routes::{RouteClass, Routes};
 use utoipa_axum::routes;
 

@@ -1,5 +1,5 @@
-//! The parameters of a recommendation, without the surface: cutters, scallop height, machine, and settings of the plan; and the warnings about those
-//! that have no effect.
+//! The parameters of a recommendation, without the surface: cutters, scallop height, machine, and settings of the plan; and the
+//! warnings about those that have no effect.
 
 use super::library::Libraries;
 use super::program::{ProgramOptions, ProgramOptionsKind};

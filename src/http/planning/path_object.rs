@@ -1,4 +1,5 @@
-//! The path of a request: the text of a program, or points of the tip; and its cutters, one, or several by the T numbers of the program.
+//! The path of a request: the text of a program, or points of the tip; and its cutters, one, or several by the T numbers of the
+//! program.
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, Quantity, Whole, members, text};

@@ -1,5 +1,5 @@
-//! Objects in requests: their named members, the kinds of their values, the reader, the schema, and the macro `members!`. One declaration defines
-//! both the reader and the schema, and all faults are recorded.
+//! Objects in requests: their named members, the kinds of their values, the reader, the schema, and the macro `members!`. One
+//! declaration defines both the reader and the schema, and all faults are recorded.
 
 use super::{Faulted, Faults, JsonPath, describe, nearest};
 use crate::http::codes::RequestFault;

@@ -1,5 +1,5 @@
-//! The cutters to choose from, each with its drive if stated: teeth, spindle speed and the limit on the feed per tooth; and which cutters of tool
-//! libraries join them.
+//! The cutters to choose from, each with its drive if stated: teeth, spindle speed and the limit on the feed per tooth; and
+//! which cutters of tool libraries join them.
 
 use super::cutter_object::{KINDS, TEETH, kinds_schema, read_geometry};
 use crate::http::codes::RequestFault;

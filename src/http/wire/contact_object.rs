@@ -1,5 +1,5 @@
-//! The contact between cutter and surface, by angles or by vectors; the contacts of a batch, an array of objects or an object of columns; and the
-//! fault of a contact that has no answer.
+//! The contact between cutter and surface, by angles or by vectors; the contacts of a batch, an array of objects or an object
+//! of columns; and the fault of a contact that has no answer.
 
 use super::contact_parameters::{CUTTER, ContactParameters, FEED_PER_TOOTH, RUNOUT, StatedParameters, TOLERANCE};
 use crate::http::codes::RequestFault;

@@ -1,5 +1,5 @@
-//! Surfaces in JSON: points, a grid, a mesh, or a Bezier patch. Arrays of points are read point by point, so that a body of a million points is
-//! never stored as a JSON tree.
+//! Surfaces in JSON: points, a grid, a mesh, or a Bezier patch. Arrays of points are read point by point, so that a body of a
+//! million points is never stored as a JSON tree.
 
 use super::source::{Source, SurfaceWithSource};
 use crate::http::codes::RequestFault;

@@ -1,5 +1,5 @@
-//! The marks of a pass: which pairs of neighbouring marks must cover a place between them, with and without runout; and the lengths up to which passes
-//! and marks overlap.
+//! The marks of a pass: which pairs of neighbouring marks must cover a place between them, with and without runout; and the
+//! lengths up to which passes and marks overlap.
 
 use super::Envelope;
 use super::cutter_body::STEEPEST;

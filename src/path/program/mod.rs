@@ -5,12 +5,10 @@ mod arc;
 mod gcode;
 mod program_points;
 mod read;
-mod refeed;
 #[cfg(test)]
 mod tests;
 mod write;
 
 pub use program_points::{Dialect, Program, ProgramFault, ProgramFaultKind, ProgramPoint, Reached};
 pub use read::{ReadSettings, read};
-pub use refeed::with_feeds;
-pub use write::{Gap, Operation, WriteSettings, write_iso};
+pub use write::{Gap, Operation, WriteSettings, with_feeds, write_iso};

@@ -1,7 +1,8 @@
-//! The families of lines: vertical planes in one direction (zigzag), and level curves of the tips' surface (waterlines); and what the stations of a
-//! cutter allow in one family: spacings and lengths of lines by their number.
+//! The families of lines: vertical planes in one direction (zigzag), and level curves of the tips' surface (waterlines); and
+//! what the stations of a cutter allow in one family: spacings and lengths of lines by their number.
 //!
-//! A family gives every tip a number, the same along a line: its distance across the planes, or its height. Lines are spaced in that number.
+//! A family gives every tip a number, the same along a line: its distance across the planes, or its height. Lines are spaced in
+//! that number.
 
 use super::settings::CandidateCutter;
 use super::spacing::Prepared;

@@ -1,6 +1,6 @@
-//! Runs over what lines miss: triangles between lines that end at a wall, strips beside walls, ledges over which the axis cannot
-//! stand, slots that leave the cutter no room, narrow tops between lines. The axes that finish the missed stations are known; a run goes
-//! from one to the next.
+//! Runs over what lines miss: triangles between lines that end at a wall, strips beside walls, ledges over which the axis
+//! cannot stand, slots that leave the cutter no room, narrow tops between lines. The axes that finish the missed stations are
+//! known; a run goes from one to the next.
 
 use super::judged::MissedStation;
 use super::runs::{LEVEL, Run, RunTip, highest_step};

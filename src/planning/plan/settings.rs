@@ -1,5 +1,5 @@
-//! What a ranking is asked: scallop height, machine, pattern and directions, the same for all candidates; and the candidate cutters with their drives
-//! (teeth, spindle speed, feed limit).
+//! What a ranking is asked: scallop height, machine, pattern and directions, the same for all candidates; and the candidate
+//! cutters with their drives (teeth, spindle speed, feed limit).
 
 use crate::milling::{Cutter, Model};
 use crate::motion::Machine;

@@ -1,5 +1,5 @@
-//! The largest spacing of neighbouring planes at a slope and direction, for one cutter and scallop height; and a candidate with its tables, which do
-//! not depend on the direction.
+//! The largest spacing of neighbouring planes at a slope and direction, for one cutter and scallop height; and a candidate with
+//! its tables, which do not depend on the direction.
 
 use super::settings::{CandidateCutter, FeedRange, PlanSettings};
 use super::tangent::{SlopePlace, Tangent, sines};

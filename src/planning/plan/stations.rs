@@ -1,5 +1,6 @@
-//! Places drawn evenly over the area to machine, for each the tip at which a cutter finishes it, and whether the cutter can stand there; and which of
-//! them an operation machines: by slope, by what another operation has left, or by what another cutter cannot reach.
+//! Places drawn evenly over the area to machine, for each the tip at which a cutter finishes it, and whether the cutter can
+//! stand there; and which of them an operation machines: by slope, by what another operation has left, or by what another
+//! cutter cannot reach.
 
 use super::workpiece::Workpiece;
 use crate::milling::Profile;

@@ -1,4 +1,5 @@
-//! Slope, direction and curvature of the surface at one facet, in the axes of its steepest line; and the slopes at which tables have their rows.
+//! Slope, direction and curvature of the surface at one facet, in the axes of its steepest line; and the slopes at which tables
+//! have their rows.
 
 use crate::surface::FinishFacet;
 use std::sync::LazyLock;

@@ -1,4 +1,5 @@
-//! The part as plans see it: the facets to machine, all facets for the drop-cutter, which facets meet at a contact, and the tightest hollows.
+//! The part as plans see it: the facets to machine, all facets for the drop-cutter, which facets meet at a contact, and the
+//! tightest hollows.
 
 use super::tangent::Tangent;
 use crate::milling::Profile;

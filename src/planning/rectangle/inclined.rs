@@ -1,4 +1,5 @@
-//! The inclined rectangle, the zigzag that finishes it, and the critical slope and form factor, at which both cutters take the same time.
+//! The inclined rectangle, the zigzag that finishes it, and the critical slope and form factor, at which both cutters take the
+//! same time.
 
 use super::CutterComparison;
 use crate::milling::{Model, NoAnswer};

@@ -1,5 +1,5 @@
-//! The builder of a mesh from facets or points as they arrive, within a bound on memory; and what it leaves out: facets without area, and
-//! coordinates out of bounds.
+//! The builder of a mesh from facets or points as they arrive, within a bound on memory; and what it leaves out: facets without
+//! area, and coordinates out of bounds.
 
 use super::merge::HeightLattice;
 use super::selection::FileOrder;

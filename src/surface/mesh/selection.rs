@@ -1,4 +1,5 @@
-//! The selection of facets to machine, and the facets that planning receives: corners, unit normal, area, and the curvature of the surface.
+//! The selection of facets to machine, and the facets that planning receives: corners, unit normal, area, and the curvature of
+//! the surface.
 
 use super::{FacetClass, Mesh, Pieces, Visibility};
 use crate::cancellation::collect_until;

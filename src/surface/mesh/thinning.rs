@@ -1,5 +1,5 @@
-//! A cloud of single points, which keeps one for each cell of a lattice if there are more than a limit; and welding: numbering points so that equal
-//! points have the same number.
+//! A cloud of single points, which keeps one for each cell of a lattice if there are more than a limit; and welding: numbering
+//! points so that equal points have the same number.
 
 use crate::cancellation::CancelFlag;
 use crate::surface::Bounds;

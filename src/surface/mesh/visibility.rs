@@ -1,5 +1,5 @@
-//! The visibility of facets from above, along the tool axis: on a raster with the highest facet at each cell centre, and exactly for facets that are
-//! too narrow for it.
+//! The visibility of facets from above, along the tool axis: on a raster with the highest facet at each cell centre, and
+//! exactly for facets that are too narrow for it.
 
 use super::{Mesh, WALL, twice_area};
 use crate::cancellation::collect_until;

@@ -1,5 +1,5 @@
-//! Detection of a file's format, by its content first, then by its media type and name. Formats that are not read are detected only to name them in
-//! the fault.
+//! Detection of a file's format, by its content first, then by its media type and name. Formats that are not read are detected
+//! only to name them in the fault.
 
 use super::words::{Words, is_word, line_end, starts_number, statements};
 use crate::file_fault::{FileFault, FileFaultKind, Flaw};

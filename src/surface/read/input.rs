@@ -1,4 +1,5 @@
-//! The input of a reader: the file's next bytes or next line, with the count of both for the places of faults; and why a file could not be read.
+//! The input of a reader: the file's next bytes or next line, with the count of both for the places of faults; and why a file
+//! could not be read.
 
 use super::words::{is_blank, line_end, trimmed_start};
 use crate::file_fault::{FileFault, FileFaultKind, Flaw};

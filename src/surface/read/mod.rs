@@ -1,14 +1,14 @@
 //! Readers of surface files: points in text, ASCII PCD, STL, OBJ, PLY and 3MF.
 //!
-//! A [`Reader`] pulls a file from a source, which may block, and passes points and facets to a [`Sink`]: the facets if
-//! the file has any, otherwise the points. Text, PCD and STL are not stored. For OBJ and PLY, whose facets refer to
-//! vertices by number, the vertices are stored. For 3MF, whose directory is at its end, the compressed file and its
-//! meshes are stored. Memory grows with the data that arrive, not with the counts that a file states.
+//! A [`Reader`] pulls a file from a source, which may block, and passes points and facets to a [`Sink`]: the facets if the file
+//! has any, otherwise the points. Text, PCD and STL are not stored. For OBJ and PLY, whose facets refer to vertices by number,
+//! the vertices are stored. For 3MF, whose directory is at its end, the compressed file and its meshes are stored. Memory grows
+//! with the data that arrive, not with the counts that a file states.
 //!
-//! A file that cannot be read, or is ambiguous, is refused with a [`FileFault`](crate::file_fault::FileFault) that names the line or byte. Data that the
-//! reader leaves out are counted in the [`ReadSummary`]. Coordinates are passed on in the file's unit, which is in the
-//! summary if the file states it. A reader ends early only with an error of its source: a source that is no longer
-//! needed returns one.
+//! A file that cannot be read, or is ambiguous, is refused with a [`FileFault`](crate::file_fault::FileFault) that names the
+//! line or byte. Data that the reader leaves out are counted in the [`ReadSummary`]. Coordinates are passed on in the file's
+//! unit, which is in the summary if the file states it. A reader ends early only with an error of its source: a source that is
+//! no longer needed returns one.
 
 mod extremes;
 mod faces;

@@ -1,11 +1,10 @@
-//! Reader of Wavefront OBJ: vertices (`v`), and polygons (`f`) that refer to them by number. Numbers count from 1 at
-//! the start of the file, or backwards from -1.
+//! Reader of Wavefront OBJ: vertices (`v`), and polygons (`f`) that refer to them by number. Numbers count from 1 at the start
+//! of the file, or backwards from -1.
 //!
-//! A face may refer only to vertices before it. Weights and colours after a vertex, texture coordinates and normals of
-//! a corner, groups, materials and names are ignored. Point and line elements are not part of a surface and are
-//! counted. The vertices of a file without faces are points. Unknown statements are refused. Free-form curves and
-//! surfaces are refused too, because their control points do not lie on the surface. A number may have a decimal comma. A comment may
-//! state the unit.
+//! A face may refer only to vertices before it. Weights and colours after a vertex, texture coordinates and normals of a
+//! corner, groups, materials and names are ignored. Point and line elements are not part of a surface and are counted. The
+//! vertices of a file without faces are points. Unknown statements are refused. Free-form curves and surfaces are refused too,
+//! because their control points do not lie on the surface. A number may have a decimal comma. A comment may state the unit.
 
 use super::faces::Faces;
 use super::input::{Input, LONGEST_LINE, ReadError, too_long};

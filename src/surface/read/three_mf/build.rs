@@ -1,4 +1,5 @@
-//! The facets of a 3MF package: places its build items with their components, recursively; objects that contain themselves are refused.
+//! The facets of a 3MF package: places its build items with their components, recursively; objects that contain themselves are
+//! refused.
 
 use super::super::words::unbounded;
 use super::package_model::{PackageModel, PackageObject, Reference, Transform, is_bounded};
