@@ -36,27 +36,26 @@ members! {
 
 impl SelectionMembers {
     fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<Selection, Faulted> {
-        let SelectionMembers { slopes, bounds, pieces, facets } = self;
-        let (mut selection, mut refused) = (Selection::all(), Ok(()));
-        // Each condition is checked, even if another has a fault.
+        let mut selection = Selection::all();
         let mut narrow =
-            |name, narrowed: Result<Option<Result<Selection, SelectionError>>, Faulted>, selection: &mut Selection| match narrowed {
-                Ok(None) => {}
-                Ok(Some(Ok(narrowed))) => *selection = narrowed,
-                Ok(Some(Err(error))) => refused = Err(faults.add(&path.member(name), RequestFault::OutOfRange, error)),
-                Err(faulted) => refused = Err(faulted),
-            };
-        let so_far = selection.clone();
-        narrow(SLOPES.name, slopes.map(|slopes| slopes.map(|band| so_far.with_slopes(band[0], band[1]))), &mut selection);
-        let so_far = selection.clone();
-        narrow(BOX.name, bounds.map(|bounds| bounds.map(|[min, max]| so_far.with_box(min, max))), &mut selection);
-        let so_far = selection.clone();
-        narrow(PIECES.name, pieces.map(|pieces| pieces.map(|pieces| so_far.with_pieces(pieces))), &mut selection);
-        let so_far = selection.clone();
-        let pairs = |ranges: Vec<Vec<u32>>| ranges.iter().map(|range| [range[0], range[1]]).collect();
-        narrow(FACETS.name, facets.map(|facets| facets.map(|ranges| so_far.with_facets(pairs(ranges)))), &mut selection);
-        refused.map(|()| selection)
+            |by: &dyn Fn(Selection) -> Result<Selection, SelectionError>| by(selection.clone()).map(|narrowed| selection = narrowed);
+        // Each condition is checked, even if another has a fault.
+        let conditions = [
+            (SLOPES.name, self.slopes.map(|band| band.map(|band| narrow(&|all| all.with_slopes(band[0], band[1]))))),
+            (BOX.name, self.bounds.map(|bounds| bounds.map(|[min, max]| narrow(&|all| all.with_box(min, max))))),
+            (PIECES.name, self.pieces.map(|pieces| pieces.map(|pieces| narrow(&|all| all.with_pieces(pieces.clone()))))),
+            (FACETS.name, self.facets.map(|ranges| ranges.map(|ranges| narrow(&|all| all.with_facets(pairs(&ranges)))))),
+        ];
+        let checked = conditions.map(|(name, narrowed)| match narrowed? {
+            Some(Err(error)) => Err(faults.add(&path.member(name), RequestFault::OutOfRange, error)),
+            _ => Ok(()),
+        });
+        checked.into_iter().collect::<Result<(), Faulted>>().map(|()| selection)
     }
+}
+
+fn pairs(ranges: &[Vec<u32>]) -> Vec<[u32; 2]> {
+    ranges.iter().map(|range| [range[0], range[1]]).collect()
 }
 
 members! {
