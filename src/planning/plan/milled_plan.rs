@@ -4,7 +4,7 @@
 use super::cut_lines::CutLines;
 use super::estimate::MOST_LINES;
 use super::family::{Allowed, Family, Spread};
-use super::judged::{FinishFigures, Judged, deepest_cut, judged, missed, respace};
+use super::judged::{FinishFigures, Judged, KEPT, deepest_cut, judged, missed, respace};
 use super::levels::LevelMaker;
 use super::missed::Missed;
 use super::runs::{Run, RunMaker};
@@ -52,8 +52,8 @@ const ENOUGH: f64 = 0.002;
 /// The share up to which it counts as kept on stations on which lines were not spaced.
 const UNSEEN_ENOUGH: f64 = 0.003;
 
-/// The error of such a share on other stations.
-const STANDARD_ERROR: f64 = 0.0005;
+/// The share of the area that lines in part may leave worse than whole ones.
+pub(super) const WORSE: f64 = 0.001;
 
 /// Runs over what a path misses are added in steps, each with the distance from walls in radii of the cutter: first against walls, then
 /// beside them. After each step what is still missed is known.
@@ -157,7 +157,9 @@ impl Planner<'_> {
         if let Some(thinner) = self.thinned(&plan, &seen)? {
             let last = (self.further)(Set::Last, None);
             let thinner = self.measured(&last, thinner)?;
-            if thinner.finish.far_over_share <= UNSEEN_ENOUGH.max(plan.finish.far_over_share) + STANDARD_ERROR {
+            // Shares of different places differ by chance: both plans are compared at the same.
+            let far_over = thinner.finish.far_over_share;
+            if far_over <= UNSEEN_ENOUGH || far_over <= self.slightly_worse(&last, &plan)? {
                 return self.with_deepest_cut(&last, thinner);
             }
         }
@@ -167,6 +169,14 @@ impl Planner<'_> {
         let last = (self.further)(Set::Last, None);
         let plan = self.measured(&last, plan)?;
         self.with_deepest_cut(&last, plan)
+    }
+
+    /// The share of the area that may be far over the scallop height with lines in part, where whole ones leave the share of a plan
+    /// at these stations.
+    fn slightly_worse(&self, stations: &[Station], plan: &MilledPlan) -> Result<f64, NoPlan> {
+        let (_, finish) = self.judged(stations, &plan.family, &plan.tour)?;
+        let share = finish.far_over_share;
+        Ok((share + WORSE).min(KEPT).max(share))
     }
 
     /// Further stations around those of `stations` that a plan leaves high. A flat-end cutter on a curved surface leaves most in a

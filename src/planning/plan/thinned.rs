@@ -7,7 +7,7 @@
 use super::cut_lines::{Columns, CutLines};
 use super::family::{Family, Heading, Spread};
 use super::judged::Judged;
-use super::milled_plan::{CHORD_SHARE, MilledPlan, NoPlan, Planner};
+use super::milled_plan::{CHORD_SHARE, MilledPlan, NoPlan, Planner, WORSE};
 use super::runs::{Run, RunTip, target_under};
 use super::spacing::Prepared;
 use super::stations::Station;
@@ -35,9 +35,8 @@ const MOST_BY_ENDS: usize = 5_000;
 /// The rounds in which stretches come back.
 const MOST_ROUNDS: usize = 4;
 
-/// The share of the area up to which what is worse than before is finished by further runs, and up to which it may stay.
+/// The share of the area up to which what is worse than before is finished by further runs.
 const FEW: f64 = 0.01;
-const WORSE: f64 = 0.001;
 
 /// By how many scallop heights a place that is over the scallop height is worse than before.
 const WORSE_BY: f64 = 0.05;
