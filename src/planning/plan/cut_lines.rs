@@ -61,6 +61,9 @@ impl Columns {
     }
 }
 
+/// The distance in mm from a line up to which a tip is on it.
+const SAME: f64 = 1e-6;
+
 /// The most cells of columns and lines, a byte each. Where there are more, columns are wider.
 const MOST_CELLS: usize = 4_000_000;
 
@@ -128,15 +131,20 @@ impl CutLines {
         }
     }
 
-    /// The distance from the line through a tip to the farther of its neighbours there; that of a single line to the border is not
-    /// known, and 0.
+    /// The distance from a tip to the farther of the lines beside it that are cut there; that to the border is not known, and counts
+    /// as 0.
     pub(super) fn farther_neighbour(&self, family: &Family, tip: [f64; 3]) -> f64 {
         let number = family.number(tip);
-        let nearest = self.at.partition_point(|line| *line < number - 1e-6).min(self.at.len().saturating_sub(1));
-        let column = self.parts.as_ref().map(|parts| &parts.is_cut[parts.columns.at(parts.columns.heading.of_point([tip[0], tip[1]])[0])]);
+        let (own, above) = (self.at.partition_point(|line| *line < number - SAME), self.at.partition_point(|line| *line <= number + SAME));
+        let column = self.parts.as_ref().map(|Parts { columns, is_cut }| {
+            let at = columns.at(columns.heading.of_point([tip[0], tip[1]])[0]);
+            // A run ends at the border of its last column, where the next one begins.
+            let of_run = std::iter::once(at).chain(columns.around(at)).find(|column| is_cut[*column][own..above].contains(&true));
+            &is_cut[of_run.unwrap_or(at)]
+        });
         let is_cut = |line: &usize| column.is_none_or(|is_cut| is_cut[*line]);
-        let distance = |other: Option<usize>| other.map_or(0.0, |other| (self.at[other] - self.at[nearest]).abs());
-        distance((0..nearest).rev().find(is_cut)).max(distance((nearest + 1..self.at.len()).find(is_cut)))
+        let distance = |line: Option<usize>| line.map_or(0.0, |line| (self.at[line] - number).abs());
+        distance((0..own).rev().find(is_cut)).max(distance((above..self.at.len()).find(is_cut)))
     }
 }
 
@@ -168,6 +176,13 @@ mod tests {
         for (x, y, distance) in [(1.0, 0.0, 1.0), (7.0, 0.0, 2.0), (7.0, 2.0, 2.0), (11.0, 2.0, 1.0)] {
             assert!((farther(x, y) - distance).abs() < 1e-12, "{x}, {y}");
         }
+        // The ends of its stretches count to them.
+        for x in [6.0, 10.0] {
+            assert!((farther(x, 1.0) - 1.0).abs() < 1e-12, "{x}");
+        }
+        // Of a tip between two lines, those are the neighbours.
+        assert!((farther(1.0, 1.25) - 0.75).abs() < 1e-12);
+        assert!((farther(7.0, 1.25) - 1.25).abs() < 1e-12);
         // Two columns have the outer lines alone, four have all three.
         assert_eq!(lines.spacings().len(), 2 + 4 * 2);
         assert!(CutLines::whole(vec![3.0]).farther_neighbour(&family, [0.0, 3.0, 0.0]).abs() < 1e-12);

@@ -1,6 +1,6 @@
 //! The path of a plan, point by point.
 
-use super::parts::{profile, steps};
+use super::parts::{cone_on_floor, profile, steps};
 use super::surfaces::{Facet, Height, facets, placed, published};
 use super::{drive, in_direction, mm, published_cutters, ranked_on, settings, workpiece};
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
@@ -175,6 +175,43 @@ fn the_points_of_every_cutter_have_the_heights_of_contacts_with_their_figures() 
             println!("{cutter:?}, {drive:?}: {compared} of {cuts} points have a height");
             assert!(2 * compared > cuts);
         }
+    }
+}
+
+/// Lines in part: beside a stretch that is left out, the neighbour is the next line that is cut there.
+#[test]
+fn step_overs_are_the_distances_to_the_farther_of_the_neighbours_that_are_cut() {
+    let part = workpiece(&cone_on_floor(32.0, [12.0, 16.0], [9.0, 6.0, 5.0]));
+    let settings = PlanSettings { max_uncut_share: 1.0, ..in_direction(Model::Envelope, 0.0) };
+    for cutter in [Cutter::flat_end(mm(6.0)), Cutter::toroidal(mm(6.0), mm(1.0)).unwrap()] {
+        let (_, path) = planned(&part, CandidateCutter::new(cutter), &settings);
+        let along = |pair: &&[PassPoint]| pair[1].kind == MoveKind::Cut && (pair[1].tip[1] - pair[0].tip[1]).abs() < 1e-9;
+        let cuts: Vec<[PassPoint; 2]> = path.points.windows(2).filter(along).map(|pair| [pair[0], pair[1]]).collect();
+        // The distances to the nearest cuts on both sides of a place.
+        let neighbours = |x: f64, y: f64| {
+            let passes_it = |cut: &&[PassPoint; 2]| (cut[0].tip[0] - x) * (cut[1].tip[0] - x) <= 0.0;
+            let across = cuts.iter().filter(passes_it).map(|cut| cut[0].tip[1] - y);
+            across.fold([f64::INFINITY; 2], |[below, above], across| match across {
+                _ if across < -1e-6 => [below.min(-across), above],
+                _ if across > 1e-6 => [below, above.min(across)],
+                _ => [below, above],
+            })
+        };
+        let (mut compared, mut agree, mut widest, mut narrowest) = (0, 0, 0.0_f64, f64::INFINITY);
+        for [point, other] in cuts.iter().flat_map(|[from, to]| [[from, to], [to, from]]) {
+            let Some(cut) = point.cut.filter(|cut| cut.normal[2] > 1.0 - 1e-9) else { continue };
+            // A place just inside the run: at its end, those beside it begin or end by a rounding.
+            let x = point.tip[0] + 0.01 * (other.tip[0] - point.tip[0]).signum();
+            let [below, above] = neighbours(x, point.tip[1]);
+            if below.max(above) < f64::INFINITY {
+                compared += 1;
+                agree += usize::from((below.max(above) - cut.step_over.mm()).abs() < 1e-6);
+                (widest, narrowest) = (widest.max(cut.step_over.mm()), narrowest.min(cut.step_over.mm()));
+            }
+        }
+        println!("{agree} of {compared}, {narrowest} to {widest} mm");
+        assert!(compared > 100 && widest > 3.0 * narrowest, "{compared}, {narrowest} to {widest}");
+        assert_eq!(agree, compared);
     }
 }
 
