@@ -43,8 +43,13 @@ impl Effort {
     const AGAIN: Self = Self { rounds: 2..=4, spared: 0.02, enough: UNSEEN_ENOUGH, missed: 0.0 };
 }
 
-/// The most samples of a path's lines, some four seconds on two threads.
+/// The samples of a path's lines: the most, some sixteen seconds on two threads, and those from which on the path is long.
 const MOST_SAMPLES: usize = 4_000_000;
+const LONG: usize = 300_000;
+
+/// The samples of all candidates, some thirty seconds on two threads, beyond which no candidate is planned and no further round of lines
+/// is made.
+pub(super) const MOST_OF_ALL: usize = 8_000_000;
 
 /// A plan keeps the scallop height where this share of the area, at most, is far over it: of two that do, the faster one is taken.
 const ENOUGH: f64 = 0.002;
@@ -213,7 +218,9 @@ impl Planner<'_> {
         let mut best: Option<Spaced> = None;
         for round in 1..=*effort.rounds.end() {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
+            let before = self.samples.get();
             let runs = maker.runs(&lines, self.samples)?;
+            let of_round = self.samples.get() - before;
             if stop() {
                 return Err(NoPlan::Stopped);
             }
@@ -224,14 +231,17 @@ impl Planner<'_> {
             let plan = self.with_missed_places(stations, plan, effort.missed)?;
             // Where a few rounds do not keep the scallop height, places between the stations are the reason.
             let margin = if round <= *effort.rounds.start() { 0.995 } else { 0.97 };
-            let of_round = allowed.clone();
+            let spaced_by = allowed.clone();
             respace(&mut allowed, &lines, &family, stations, &plan.judged, height, margin);
             let is_enough = round >= *effort.rounds.start()
                 && !is_worthwhile(&plan, allowed.lines(spread.range, MOST_LINES).map_or(usize::MAX, |next| next.len()), effort);
-            if best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(&best.plan)) {
-                best = Some(Spaced { plan, allowed: of_round, next: allowed.clone() });
+            let is_best = best.as_ref().is_none_or(|best| rank_of(&plan) < rank_of(&best.plan));
+            if is_best {
+                best = Some(Spaced { plan, allowed: spaced_by, next: allowed.clone() });
             }
-            if is_enough {
+            // A long path, whose rounds take seconds, gets no further one after one in vain.
+            let is_in_vain = of_round > LONG && !is_best;
+            if is_enough || is_in_vain || self.samples.get() + of_round > MOST_OF_ALL {
                 break;
             }
         }

@@ -4,7 +4,7 @@ use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
 use super::judged::{FinishFigures, Judged, KEPT, deepest_cut, judged};
-use super::milled_plan::{NoPlan, Planner};
+use super::milled_plan::{MOST_OF_ALL, NoPlan, Planner};
 use super::settings::{CandidateCutter, Pattern, PlanSettings};
 use super::spacing::{Prepared, rows_of};
 use super::stations::{Cells, DrawnPlace, ESTIMATED_ON, JUDGED_ON, Region, Set, Station, drawn, drawn_until, stations, within};
@@ -270,6 +270,7 @@ pub(super) fn operations(
     candidates: &[CandidateCutter],
     settings: &PlanSettings,
     single: &CandidatePlan,
+    samples: &Cell<usize>,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<OperationsPlan> {
     if settings.most_operations < 2 {
@@ -281,10 +282,12 @@ pub(super) fn operations(
     let area = unseen.iter().map(|place| place.area).sum();
     let keeps = single.milled.is_some_and(|milled| milled.finish.far_over_share <= KEPT);
     let mut limit = if keeps { single.time.seconds() } else { f64::INFINITY };
-    let samples = Cell::new(0);
-    let mut arranged = Arranged { workpiece, settings, tools: &tools, area, samples: &samples, stop, found: Vec::new() };
+    let mut arranged = Arranged { workpiece, settings, tools: &tools, area, samples, stop, found: Vec::new() };
     let mut best = None;
     for _ in 0..MOST_PLANNED {
+        if samples.get() >= MOST_OF_ALL {
+            break;
+        }
         let expected = arrangements.iter().map(|arrangement| arranged.expected(arrangement)).enumerate();
         let Some((next, _)) = expected.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, seconds)| *seconds < limit) else { break };
         let Ok(plan) = arranged.plan(&arrangements.swap_remove(next), &unseen, limit) else { continue };

@@ -5,7 +5,7 @@ use super::candidate_plan::{CandidatePlan, NotRankedReason, UnrankedCandidate};
 use super::estimated_candidate::EstimatedCandidate;
 use super::family::{Family, Heading};
 use super::judged::KEPT;
-use super::milled_plan::{Draft, MilledPlan, NoPlan, Planner};
+use super::milled_plan::{Draft, MOST_OF_ALL, MilledPlan, NoPlan, Planner};
 use super::operations::{OperationsPlan, operations};
 use super::settings::{CandidateCutter, PlanSettings};
 use super::spacing::rows_of;
@@ -23,10 +23,8 @@ const FAR_BEHIND: f64 = 1.5;
 /// The candidates that are milled at most, those with the shortest estimates. A library has 200, and a path takes seconds.
 const MOST_CANDIDATES: usize = 8;
 
-/// The samples of lines that are planned at most for all candidates, some twenty seconds on two threads, and those of a
-/// direction's plans from which on a candidate is planned in no other.
-const MOST_SAMPLES: usize = 20_000_000;
-const ONE_DIRECTION: usize = 3_000_000;
+/// The samples of a direction's lines from which on a candidate is planned in no other.
+const ONE_DIRECTION: usize = 800_000;
 
 /// A candidate whose first draft takes longer by this factor than a plan that keeps the scallop height is drafted in no other
 /// direction.
@@ -61,7 +59,8 @@ pub fn rank(
     evidence: SurfaceEvidence,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Ranking> {
-    let job = Job { workpiece, candidates, settings, rest_of: settings.rest_of.map(Cutter::profile), stop };
+    let samples = Cell::new(0);
+    let job = Job { workpiece, candidates, settings, rest_of: settings.rest_of.map(Cutter::profile), samples: &samples, stop };
     let few = job.places(ESTIMATED_ON, 0);
     let (estimated, mut not_ranked) = job.estimated(&few)?;
     let (mut plans, without_lines) = job.planned(estimated)?;
@@ -71,7 +70,7 @@ pub fn rank(
     let surface = workpiece.figures();
     let confidence = Confidence::in_plans(&plans, candidates, &surface, settings, evidence);
     let single = plans.first().filter(|_| job.rest_of.is_none());
-    let operations = single.and_then(|single| operations(workpiece, candidates, settings, single, stop));
+    let operations = single.and_then(|single| operations(workpiece, candidates, settings, single, &samples, stop));
     if stop() {
         return None;
     }
@@ -85,6 +84,8 @@ struct Job<'a> {
     settings: &'a PlanSettings,
     /// The cutter that was there before, whose rest is planned.
     rest_of: Option<Profile>,
+    /// The samples of all lines planned so far.
+    samples: &'a Cell<usize>,
     stop: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -126,15 +127,14 @@ impl Job<'_> {
     /// The plans of the candidates, those near the fastest milled, and the candidates for which no lines were found; `None` once
     /// `stop` returns true.
     fn planned(&self, estimated: Vec<EstimatedCandidate>) -> Option<(Vec<CandidatePlan>, Vec<UnrankedCandidate>)> {
-        let Self { workpiece, settings, stop, .. } = *self;
+        let Self { workpiece, settings, samples, stop, .. } = *self;
         let height = settings.scallop_height.mm();
         let last = estimated.get(MOST_CANDIDATES - 1).map_or(f64::INFINITY, EstimatedCandidate::shortest);
         let limit = estimated.first().map_or(0.0, |fastest| (FAR_BEHIND * fastest.shortest()).min(last));
         let sets: [OnceCell<Vec<DrawnPlace>>; 4] = Default::default();
-        let samples = Cell::new(0);
         let (mut plans, mut without_lines) = (Vec::new(), Vec::new());
         for of_candidate in estimated {
-            if of_candidate.shortest() > limit || samples.get() >= MOST_SAMPLES {
+            if of_candidate.shortest() > limit || samples.get() >= MOST_OF_ALL {
                 plans.push(of_candidate.unmilled(workpiece, settings));
                 continue;
             }
@@ -145,8 +145,7 @@ impl Job<'_> {
             };
             let on = of_set(Set::Spaced, None);
             let region = if self.rest_of.is_some() { Region::of_rest(&on, &prepared.profile, height) } else { Region::WHOLE };
-            let planner =
-                Planner { workpiece, prepared, settings, region: &region, stations: &on, further: &of_set, samples: &samples, stop };
+            let planner = Planner { workpiece, prepared, settings, region: &region, stations: &on, further: &of_set, samples, stop };
             let Directed { best, times, is_too_long } = in_best_direction(&planner, of_candidate.to_mill(settings), fastest_of(&plans))?;
             match best {
                 Some(best) => plans.push(of_candidate.milled(workpiece, settings, best, &times)),
@@ -189,7 +188,7 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) ->
                 if best.as_ref().is_none_or(|(_, best)| draft.seconds < best.seconds) {
                     best = Some((direction, draft));
                 }
-                if after - before > ONE_DIRECTION || after >= MOST_SAMPLES || is_behind(&best) {
+                if after - before > ONE_DIRECTION || after >= MOST_OF_ALL || is_behind(&best) {
                     break;
                 }
             }
