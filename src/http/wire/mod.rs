@@ -1,7 +1,7 @@
 //! The JSON objects and members that several endpoints share: a file for each, with the objects of which it consists. Other
-//! objects of planning answers are in `planning/`. An object of a request declares its members once; its reader and
-//! its schema are generated. A figure of a calculation's answer has one row of a table with
-//! name, description and getter; a member of another answer has one row of `answer!` with the same.
+//! objects of planning answers are in `planning/`. An object of a request declares its members once; its reader and its schema
+//! are generated. A figure of a calculation's answer has one row of a table with name, description and getter; a member of another
+//! answer has one row of `answer!` with the same.
 
 mod answer_macro;
 mod candidate_object;
