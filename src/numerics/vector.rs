@@ -1,5 +1,4 @@
-//! Operations on small vectors in arrays, whose squares must neither overflow nor underflow; and the hypotenuse, for which they
-//! may.
+//! Operations on small vectors in arrays. Squares must neither overflow nor underflow, except in [`hypotenuse`].
 
 /// a . b
 #[inline]

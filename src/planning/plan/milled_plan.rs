@@ -239,9 +239,9 @@ impl Planner<'_> {
             if is_best {
                 best = Some(Spaced { plan, allowed: spaced_by, next: allowed.clone() });
             }
-            // A long path, whose rounds take seconds, gets no further one after one in vain.
-            let is_in_vain = of_round > LONG && !is_best;
-            if is_enough || is_in_vain || self.samples.get() + of_round > MOST_OF_ALL {
+            // The rounds of a long path take seconds: none follows one that was no better.
+            let is_no_better = of_round > LONG && !is_best;
+            if is_enough || is_no_better || self.samples.get() + of_round > MOST_OF_ALL {
                 break;
             }
         }

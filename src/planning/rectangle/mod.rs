@@ -7,14 +7,14 @@
 //!
 //! Source: Herraz et al. 2020, doi:10.1007/s00170-020-06087-y, with its misprints corrected.
 
+mod critical;
 mod cutter_comparison;
 mod inclined;
 mod published_recommendation;
 mod rectangle_plan;
 
+pub use critical::{CriticalFormFactor, CriticalSlope, critical_form_factor, critical_slope};
 pub use cutter_comparison::{CutterComparison, JobError};
-pub use inclined::{
-    CriticalFormFactor, CriticalSlope, HeightExceedsWidth, InclinedRectangle, Zigzag, critical_form_factor, critical_slope,
-};
+pub use inclined::{HeightExceedsWidth, InclinedRectangle, Zigzag};
 pub use published_recommendation::{Evidence, PlanError, Recommendation, Weakness, recommend};
 pub use rectangle_plan::{Candidate, CutterChoice, Plan, RectanglePlan, plan, plan_on_rectangle};

@@ -1,4 +1,4 @@
-//! The words of a line: decimal numbers, with a decimal comma and Fortran's exponents too, and names of units of length.
+//! Lines as words; words as decimal numbers, with a decimal comma and Fortran's exponents too, and as names of units of length.
 
 use super::LARGEST_COORDINATE;
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
