@@ -241,10 +241,10 @@ impl DropCutter {
         self.highest_over([x, y]).is_none_or(|over| over.height <= z + HIDES)
     }
 
-    /// The height of the highest facet over or under the place (x, y), in mm.
+    /// The highest facet over or under the place (x, y), and its height there in mm.
     #[must_use]
-    pub fn height_over(&self, x: f64, y: f64) -> Option<f64> {
-        self.highest_over([x, y]).map(|highest| highest.height)
+    pub fn facet_over(&self, x: f64, y: f64) -> Option<(u32, f64)> {
+        self.highest_over([x, y]).map(|highest| (self.order[highest.place], highest.height))
     }
 
     fn highest_over(&self, at: [f64; 2]) -> Option<Highest> {
@@ -265,18 +265,17 @@ impl DropCutter {
         highest.height.is_finite().then_some(highest)
     }
 
-    /// The cutter on facets that are likely to be the highest, `guess` first: on a smooth part, where it stands on the plane of one
-    /// facet, it touches that facet or one near it. What is found rules out nearly all others.
+    /// The cutter on two facets that are likely to be the highest: `guess`, and the one under the contact with its plane. On a smooth part
+    /// the cutter touches one of them inside, and what is found rules out nearly all others.
     fn resting_nearby(&self, query: &Query, guess: Option<u32>) -> Highest {
-        const STEPS: usize = 2;
         let mut highest = Highest::NONE;
         let guess = guess.and_then(|facet| self.places.get(facet as usize)).map(|place| *place as usize);
-        let mut next = guess.or_else(|| self.highest_over(query.at).map(|over| over.place));
-        for _ in 0..STEPS {
-            let Some(place) = next else { break };
-            query.rest_on(place, &self.corners[place], &mut highest);
-            next = query.stood_on(&self.corners[place]).and_then(|contact| self.highest_over(contact)).map(|over| over.place);
+        let Some(first) = guess.or_else(|| self.highest_over(query.at).map(|over| over.place)) else { return highest };
+        // If both limit the tip alike, it is the one touched inside that counts.
+        if let Some(second) = query.stood_on(&self.corners[first]).and_then(|contact| self.highest_over(contact)) {
+            query.rest_on(second.place, &self.corners[second.place], &mut highest);
         }
+        query.rest_on(first, &self.corners[first], &mut highest);
         highest
     }
 

@@ -204,8 +204,8 @@ fn a_flat_end_beside_a_wall_stands_on_the_floor_up_to_its_radius() {
     let torus = Profile::torus(2.5, 1.0);
     // Two from the wall, the corner's circle is over the wall's top edge: w = 0.5, low = 1 - sqrt(1 - 0.25).
     assert_abs_diff_eq!(height(&drop, &torus, [-2.0, 0.3]), 7.0 - (1.0 - 0.75_f64.sqrt()), epsilon = 1e-12);
-    assert_abs_diff_eq!(drop.height_over(-1.0, 1.0).unwrap(), 0.0);
-    assert_eq!(drop.height_over(1.0, 1.0), None);
+    assert_abs_diff_eq!(drop.facet_over(-1.0, 1.0).unwrap().1, 0.0);
+    assert_eq!(drop.facet_over(1.0, 1.0), None);
 }
 
 /// Corners turned about the z axis, and mirrored at the plane y = 0.
@@ -324,7 +324,7 @@ fn between_two_tips_on_one_convex_facet_the_height_is_concave() {
 fn no_facets_and_facets_without_area_are_no_fault() {
     let flat = Profile::torus(2.0, 0.0);
     assert_eq!(cutter_over(&[]).drop(&flat, 0.0, 0.0, Some(3)), None);
-    assert_eq!(cutter_over(&[]).height_over(0.0, 0.0), None);
+    assert_eq!(cutter_over(&[]).facet_over(0.0, 0.0), None);
     let point = [[1.0, 0.0, 3.0]; 3];
     assert_abs_diff_eq!(height(&cutter_over(&[point]), &flat, [0.0, 0.0]), 3.0);
     assert_eq!(cutter_over(&[point]).drop(&flat, 4.0, 0.0, None), None);

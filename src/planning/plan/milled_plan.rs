@@ -13,7 +13,7 @@ use super::spacing::Prepared;
 use super::stations::{Cells, Region, Set, Station};
 use super::tour::{Order, Tour};
 use super::workpiece::Workpiece;
-use crate::path::{Milled, Sampling};
+use crate::path::{Milled, Move, Sampling};
 use crate::quantity::Length;
 use std::cell::Cell;
 use std::ops::RangeInclusive;
@@ -179,8 +179,7 @@ impl Planner<'_> {
     /// The share of the area that may be far over the scallop height with lines in part, where whole ones leave the share of a plan
     /// at these stations.
     fn slightly_worse(&self, stations: &[Station], plan: &MilledPlan) -> Result<f64, NoPlan> {
-        let (_, finish) = self.judged(stations, &plan.family, &plan.tour)?;
-        let share = finish.far_over_share;
+        let share = self.finish(stations, &self.judged(stations, &plan.family, &plan.tour.moves())?).far_over_share;
         Ok((share + WORSE).min(KEPT).max(share))
     }
 
@@ -249,22 +248,31 @@ impl Planner<'_> {
     }
 
     /// The plan with further runs over what its lines miss, if that is more than the share `least` of the area.
-    pub(super) fn with_missed_places(&self, stations: &[Station], mut plan: MilledPlan, least: f64) -> Result<MilledPlan, NoPlan> {
+    pub(super) fn with_missed_places(&self, stations: &[Station], plan: MilledPlan, least: f64) -> Result<MilledPlan, NoPlan> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
+        let mut judged = plan.judged.clone();
+        let mut further = Vec::new();
         for beside in FURTHER_RUNS {
-            let missed = missed(stations, &plan.judged, &plan.family, height);
+            let missed = missed(stations, &judged, &plan.family, height);
             if missed.iter().map(|missed| missed.share).sum::<f64>() <= least {
                 break;
             }
-            let further = Missed::of(workpiece, prepared, &missed, beside, height, CHORD_SHARE * height, stop).runs();
-            if !further.is_empty() {
-                let MilledPlan { family, lines, mut runs, order, .. } = plan;
-                runs.extend(further);
-                plan = self.judged_plan(stations, family, lines, runs, order)?;
+            let runs = Missed::of(workpiece, prepared, &missed, beside, height, CHORD_SHARE * height, stop).runs();
+            if !runs.is_empty() {
+                // What they leave together with the path, but for links.
+                let moves: Vec<Move> = runs.iter().flat_map(Run::moves).collect();
+                let alone = self.judged(stations, &plan.family, &moves)?;
+                judged = judged.iter().zip(&alone).map(|(a, b)| a.together(b)).collect();
+                further.extend(runs);
             }
         }
-        Ok(plan)
+        if further.is_empty() {
+            return Ok(plan);
+        }
+        let MilledPlan { family, lines, mut runs, order, .. } = plan;
+        runs.extend(further);
+        self.judged_plan(stations, family, lines, runs, order)
     }
 
     fn line_maker<'b>(&'b self, family: &'b Family, spread: &'b Spread, sampling: Sampling) -> LineMaker<'b> {
@@ -308,23 +316,26 @@ impl Planner<'_> {
         order: Order,
         tour: Tour,
     ) -> Result<MilledPlan, NoPlan> {
-        let (judged, finish) = self.judged(stations, &family, &tour)?;
+        let judged = self.judged(stations, &family, &tour.moves())?;
+        let finish = self.finish(stations, &judged);
         Ok(MilledPlan { family, lines, runs, order, tour, finish, judged })
     }
 
-    /// What a path leaves at stations.
-    pub(super) fn judged(&self, stations: &[Station], family: &Family, tour: &Tour) -> Result<(Vec<Judged>, FinishFigures), NoPlan> {
+    /// What moves leave at stations.
+    pub(super) fn judged(&self, stations: &[Station], family: &Family, moves: &[Move]) -> Result<Vec<Judged>, NoPlan> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
-        let height = settings.scallop_height.mm();
-        let milled = Milled::new(&prepared.profile, &tour.moves(), stop).ok_or(NoPlan::Stopped)?;
-        let judged = judged(workpiece, stations, prepared, family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
-        let finish = FinishFigures::of(stations, &judged, height);
-        Ok((judged, finish))
+        let milled = Milled::new(&prepared.profile, moves, stop).ok_or(NoPlan::Stopped)?;
+        judged(workpiece, stations, prepared, family, &milled, settings.scallop_height.mm(), stop).ok_or(NoPlan::Stopped)
+    }
+
+    fn finish(&self, stations: &[Station], judged: &[Judged]) -> FinishFigures {
+        FinishFigures::of(stations, judged, self.settings.scallop_height.mm())
     }
 
     /// A plan with the figures of further stations.
     fn measured(&self, stations: &[Station], plan: MilledPlan) -> Result<MilledPlan, NoPlan> {
-        let (judged, finish) = self.judged(stations, &plan.family, &plan.tour)?;
+        let judged = self.judged(stations, &plan.family, &plan.tour.moves())?;
+        let finish = self.finish(stations, &judged);
         let gouge = Length::computed(finish.gouge.mm().max(plan.finish.gouge.mm()));
         Ok(MilledPlan { finish: FinishFigures { gouge, ..finish }, judged, ..plan })
     }

@@ -7,7 +7,7 @@ use super::travel;
 use super::workpiece::Workpiece;
 use crate::milling::Profile;
 use crate::motion::Machine;
-use crate::path::{DropCutter, Sampling, Touch, tips_between};
+use crate::path::{DropCutter, Move, MoveKind, Sampling, Touch, tips_between};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -42,6 +42,11 @@ impl Run {
         let tip = if last { self.tips.last() } else { self.tips.first() };
         tip.map_or([0.0; 3], |tip| tip.tip)
     }
+
+    /// Its moves, from the first tip to the last.
+    pub(super) fn moves(&self) -> impl Iterator<Item = Move> {
+        self.tips.windows(2).map(|pair| Move { from: pair[0].tip, to: pair[1].tip, kind: MoveKind::Cut })
+    }
 }
 
 /// What the runs of planes in one direction are made from.
@@ -67,8 +72,8 @@ pub(super) const LEVEL: f64 = 1.0 - 1e-12;
 pub(super) fn target_under(workpiece: &Workpiece, prepared: &Prepared, axis: [f64; 2], touch: &Touch, tolerance: f64) -> Option<usize> {
     let flat = prepared.profile.arcs()[0].point(0.0).0;
     if flat > 0.0 && touch.normal.z > LEVEL {
-        let under = workpiece.facet_under(axis)?;
-        return (touch.height - under.height <= tolerance).then(|| workpiece.target_of(under.facet)).flatten();
+        let (under, height) = workpiece.drop.facet_over(axis[0], axis[1])?;
+        return (touch.height - height <= tolerance).then(|| workpiece.target_of(under)).flatten();
     }
     workpiece.finished_by(touch)
 }
@@ -216,8 +221,9 @@ impl RunMaker<'_> {
         let [right, left] = line.half.map(|half| 0.98 * half.min(flat));
         // A narrow facet may lie between the line and the end of what the line has to finish.
         BESIDE.iter().flat_map(|share| [line.across - share * right, line.across + share * left]).find_map(|across| {
-            let under = self.workpiece.facet_under(self.heading.point([along, across]))?;
-            ((touch.height - under.height).abs() <= self.sampling.chord_tolerance).then(|| self.workpiece.target_of(under.facet)).flatten()
+            let [x, y] = self.heading.point([along, across]);
+            let (under, height) = self.workpiece.drop.facet_over(x, y)?;
+            ((touch.height - height).abs() <= self.sampling.chord_tolerance).then(|| self.workpiece.target_of(under)).flatten()
         })
     }
 

@@ -99,7 +99,7 @@ impl Planner<'_> {
             let least = if station.lift > height { station.lift + height } else { height };
             judged.material().max(least) + WORSE_BY * height
         };
-        let (judged, _) = self.judged(stations, &plan.family, &plan.tour)?;
+        let judged = self.judged(stations, &plan.family, &plan.tour.moves())?;
         Ok(stations.iter().zip(&judged).map(limit).collect())
     }
 }

@@ -2,13 +2,11 @@
 //! tightest hollows.
 
 use super::tangent::Tangent;
-use crate::milling::Profile;
 use crate::path::{DropCutter, Feature, Touch};
 use crate::quantity::{Angle, Area, Length};
 use crate::surface::mesh::{FacetClass, Visibility};
 use crate::surface::{FinishFacet, Mesh};
 use nalgebra::Vector3;
-use std::sync::LazyLock;
 
 /// The position among the targets of a facet that is not to be machined.
 const NONE: u32 = u32::MAX;
@@ -188,13 +186,6 @@ impl Workpiece {
             around.iter().flat_map(|facet| self.triangles[*facet as usize]).filter(|corner| *corner != point).collect();
         others.sort_unstable();
         others.chunk_by(|a, b| a == b).any(|same| same.len() == 1)
-    }
-
-    /// The highest facet over or under a point seen from above, and the height there.
-    pub(super) fn facet_under(&self, [x, y]: [f64; 2]) -> Option<Touch> {
-        /// A ball of a millionth of a millimetre: what a vertical line touches.
-        static LINE: LazyLock<Profile> = LazyLock::new(|| Profile::torus(1e-6, 1e-6));
-        self.drop.drop(&LINE, x, y, None)
     }
 
     /// The distance in mm of a target from a surface with its curvature: k s^2/8, with s^2 twice its area.
