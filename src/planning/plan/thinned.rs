@@ -38,8 +38,8 @@ const MOST_ROUNDS: usize = 4;
 /// The share of the area up to which what is worse than before is finished by further runs.
 const FEW: f64 = 0.01;
 
-/// By how many scallop heights a place that is over the scallop height is worse than before.
-const WORSE_BY: f64 = 0.05;
+/// A place is worse than before from this factor of what may be left there on.
+const WORSE_BY: f64 = 1.05;
 
 impl Planner<'_> {
     /// The plan with its lines in part; `None` where that saves next to nothing, and for level curves.
@@ -91,13 +91,14 @@ impl Planner<'_> {
         fastest.filter(|thinner| is_worthwhile(&thinner.tour, plan))
     }
 
-    /// The height in mm up to which each station counts as no worse than in a plan: the scallop height, over the lift where the cutter
-    /// does not reach it, or what the plan leaves if that is more.
+    /// The height in mm up to which each station counts as no worse than in a plan: a little over the scallop height, over the lift where
+    /// the cutter does not reach it, or over what the plan leaves if that is more. Where a millimetre is left to a smaller cutter,
+    /// micrometres more are no reason for whole lines.
     fn limits(&self, plan: &MilledPlan, stations: &[Station]) -> Result<Vec<f64>, NoPlan> {
         let height = self.settings.scallop_height.mm();
         let limit = |(station, judged): (&Station, &Judged)| {
             let least = if station.lift > height { station.lift + height } else { height };
-            judged.material().max(least) + WORSE_BY * height
+            WORSE_BY * judged.material().max(least)
         };
         let judged = self.judged(stations, &plan.family, &plan.tour.moves())?;
         Ok(stations.iter().zip(&judged).map(limit).collect())
