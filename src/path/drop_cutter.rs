@@ -265,13 +265,13 @@ impl DropCutter {
         highest.height.is_finite().then_some(highest)
     }
 
-    /// The cutter on two facets that are likely to be the highest: `guess`, and the one under the contact with its plane. On a smooth part
-    /// the cutter touches one of them inside, and what is found rules out nearly all others.
+    /// The cutter on two facets that are likely to be the highest: `guess`, and the one under the point where the cutter would touch the
+    /// plane of `guess`. On a smooth part it touches one of them inside, and what is found rules out nearly all others.
     fn resting_nearby(&self, query: &Query, guess: Option<u32>) -> Highest {
         let mut highest = Highest::NONE;
         let guess = guess.and_then(|facet| self.places.get(facet as usize)).map(|place| *place as usize);
         let Some(first) = guess.or_else(|| self.highest_over(query.at).map(|over| over.place)) else { return highest };
-        // If both limit the tip alike, it is the one touched inside that counts.
+        // Of two facets in one plane, the one that is touched inside is kept: it comes first.
         if let Some(second) = query.stood_on(&self.corners[first]).and_then(|contact| self.highest_over(contact)) {
             query.rest_on(second.place, &self.corners[second.place], &mut highest);
         }

@@ -260,7 +260,7 @@ impl Planner<'_> {
             }
             let runs = Missed::of(workpiece, prepared, &missed, beside, height, CHORD_SHARE * height, stop).runs();
             if !runs.is_empty() {
-                // What they leave together with the path, but for links.
+                // Links of the new path are left out here: the whole of it is judged in the end.
                 let moves: Vec<Move> = runs.iter().flat_map(Run::moves).collect();
                 let alone = self.judged(stations, &plan.family, &moves)?;
                 judged = judged.iter().zip(&alone).map(|(a, b)| a.together(b)).collect();

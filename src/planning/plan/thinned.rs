@@ -38,7 +38,7 @@ const MOST_ROUNDS: usize = 4;
 /// The share of the area up to which what is worse than before is finished by further runs.
 const FEW: f64 = 0.01;
 
-/// A place is worse than before from this factor of what may be left there on.
+/// A place is worse than before if more is left there than this many times its limit.
 const WORSE_BY: f64 = 1.05;
 
 impl Planner<'_> {
@@ -91,18 +91,20 @@ impl Planner<'_> {
         fastest.filter(|thinner| is_worthwhile(&thinner.tour, plan))
     }
 
-    /// The height in mm up to which each station counts as no worse than in a plan: a little over the scallop height, over the lift where
-    /// the cutter does not reach it, or over what the plan leaves if that is more. Where a millimetre is left to a smaller cutter,
-    /// micrometres more are no reason for whole lines.
+    /// The height in mm up to which each station counts as no worse than in a plan.
     fn limits(&self, plan: &MilledPlan, stations: &[Station]) -> Result<Vec<f64>, NoPlan> {
         let height = self.settings.scallop_height.mm();
-        let limit = |(station, judged): (&Station, &Judged)| {
-            let least = if station.lift > height { station.lift + height } else { height };
-            WORSE_BY * judged.material().max(least)
-        };
         let judged = self.judged(stations, &plan.family, &plan.tour.moves())?;
-        Ok(stations.iter().zip(&judged).map(limit).collect())
+        Ok(stations.iter().zip(&judged).map(|(station, judged)| limit(judged.material(), station.lift, height)).collect())
     }
+}
+
+/// The greatest height in mm that is no worse than `left`, which a plan leaves: [`WORSE_BY`] times the greater of that and of the scallop
+/// height, over the lift where the cutter cannot reach the place. Where it leaves a millimetre to a smaller cutter, micrometres more are
+/// no reason for whole lines.
+fn limit(left: f64, lift: f64, scallop_height: f64) -> f64 {
+    let least = if lift > scallop_height { lift + scallop_height } else { scallop_height };
+    WORSE_BY * left.max(least)
 }
 
 fn is_worthwhile(tour: &Tour, plan: &MilledPlan) -> bool {
@@ -294,6 +296,16 @@ mod tests {
         assert_eq!(needed(&level, &[5]), [2, 4, 5, 8]);
         // Without places, without lines.
         assert_eq!(needed(&[], &[]), [0_usize; 0]);
+    }
+
+    #[test]
+    fn a_place_is_worse_where_a_twentieth_more_is_left() {
+        let [shallow, high, within_lift, beside_wall, never_cut] =
+            [(0.004, 0.002), (0.03, 0.0), (0.5, 1.0), (1.2, 1.0), (f64::INFINITY, 3.0)].map(|(left, lift)| limit(left, lift, 0.01));
+        for (limit, expected) in [(shallow, 0.0105), (high, 0.0315), (within_lift, 1.0605), (beside_wall, 1.26)] {
+            assert!((limit - expected).abs() < 1e-12, "{limit} in place of {expected}");
+        }
+        assert!(never_cut.is_infinite());
     }
 
     proptest! {
