@@ -16,11 +16,15 @@ use rayon::prelude::*;
 
 /// The directions of a candidate that are milled at most, and the factor over the shortest estimate beyond which a direction
 /// is not.
-const MOST_MILLED: usize = 3;
+const MOST_MILLED: usize = 4;
 const MILLED_WITHIN: f64 = 1.15;
 
 /// Estimates of directions nearer than this, in deg, err by nearly the same share. Directions further apart are milled first.
 const FAR_APART: f64 = 30.0;
+
+/// A direction along the part is milled rather than another one whose estimate is shorter by less than this factor: estimates know
+/// neither what passes along a straight wall spare nor what lines in part do.
+const ALONG_PART: f64 = 0.95;
 
 /// The smallest angle between milled directions in deg. Nearer ones have nearly the same lines.
 const MILLED_APART: f64 = 2.0;
@@ -100,7 +104,7 @@ impl EstimatedCandidate {
     }
 
     /// The directions to mill, the one with the shortest estimate first. One of them is along the part, unless all such are far
-    /// behind: estimates do not know that passes along a straight wall need no further ones at its foot.
+    /// behind.
     pub(super) fn to_mill(&self, settings: &PlanSettings) -> Vec<Angle> {
         let along_part = along_part(settings);
         let limit = MILLED_WITHIN * self.shortest();
@@ -109,6 +113,8 @@ impl EstimatedCandidate {
         sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
         let is_along = |angle: &Angle| along_part.iter().any(|along| lines_apart(*along, *angle) < REPEATED);
         let mut chosen: Vec<Angle> = sorted.first().map(|(angle, _)| *angle).into_iter().collect();
+        let favoured = |(angle, seconds): &(Angle, f64)| if is_along(angle) { ALONG_PART * seconds } else { *seconds };
+        sorted.sort_by(|a, b| favoured(a).total_cmp(&favoured(b)));
         let along = sorted.iter().map(|(angle, _)| *angle).find(is_along);
         chosen.extend(along.filter(|angle| !chosen.contains(angle)));
         for apart in [FAR_APART, MILLED_APART] {

@@ -86,6 +86,8 @@ pub(super) struct Draft {
     family: Family,
     /// The time of a path with these spacings, as far as the draft tells.
     pub(super) seconds: f64,
+    /// The same with lines in part, before stretches come back.
+    pub(super) seconds_in_part: f64,
     spread: Spread,
     allowed: Allowed,
 }
@@ -135,13 +137,13 @@ impl Planner<'_> {
         let coarse = Sampling::coarse(&prepared.profile, DRAFT_CHORD_SHARE * settings.scallop_height.mm());
         let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, coarse, &Effort::DRAFT)?;
         let lines = next.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?.len();
-        let (seconds, before) = (plan.tour.figures.seconds, plan.lines.at.len());
-        if plan.finish.far_over_share <= ENOUGH && lines >= before {
-            return Ok(Draft { family, seconds, spread, allowed });
-        }
+        let before = plan.lines.at.len();
+        let keeps_lines = plan.finish.far_over_share <= ENOUGH && lines >= before;
         #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
-        let seconds = seconds * lines as f64 / before as f64;
-        Ok(Draft { family, seconds, spread, allowed: next })
+        let more_lines = if keeps_lines { 1.0 } else { lines as f64 / before as f64 };
+        let seconds = plan.tour.figures.seconds * more_lines;
+        let seconds_in_part = seconds * self.share_in_part(&plan, &spread);
+        Ok(Draft { family, seconds, seconds_in_part, spread, allowed: if keeps_lines { allowed } else { next } })
     }
 
     /// The plan of a draft, finely sampled, with the figures of stations on which it was not spaced. If it does not keep the scallop

@@ -30,6 +30,9 @@ const ONE_DIRECTION: usize = 800_000;
 /// direction.
 const BEHIND: f64 = 1.15;
 
+/// A direction is planned beside that with the fastest whole lines if its lines in part take less than this share of the other's.
+const WORTH_ANOTHER: f64 = 0.93;
+
 /// The plans of all candidates on a part.
 #[derive(Debug, Clone)]
 pub struct Ranking {
@@ -174,10 +177,12 @@ fn fastest_of(plans: &[CandidatePlan]) -> f64 {
 
 /// Drafts the plans of a candidate in these directions, as long as its paths are short enough for further ones and it is not behind
 /// another one that takes `fastest` seconds, and finishes the best; `None` once `stop` returns true.
+///
+/// A draft does not tell what lines in part spare: which of their stretches come back is known once they are milled. So another
+/// direction whose lines spare far more in part is finished too, and the faster plan is taken.
 fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) -> Option<Directed> {
     let mut directed = Directed { best: None, times: Vec::new(), is_too_long: false };
-    let mut best: Option<(Angle, Draft)> = None;
-    let is_behind = |best: &Option<(Angle, Draft)>| best.as_ref().is_some_and(|(_, draft)| draft.seconds > BEHIND * fastest);
+    let mut drafts: Vec<(Angle, Draft)> = Vec::new();
     for direction in directions {
         let before = planner.samples.get();
         let draft = planner.draft(Family::Planes(Heading::of(direction.radians())));
@@ -185,10 +190,9 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) ->
         match draft {
             Ok(draft) => {
                 directed.times.push((direction, Some(Time::computed(draft.seconds))));
-                if best.as_ref().is_none_or(|(_, best)| draft.seconds < best.seconds) {
-                    best = Some((direction, draft));
-                }
-                if after - before > ONE_DIRECTION || after >= MOST_OF_ALL || is_behind(&best) {
+                drafts.push((direction, draft));
+                let is_behind = drafts.iter().all(|(_, draft)| draft.seconds > BEHIND * fastest);
+                if after - before > ONE_DIRECTION || after >= MOST_OF_ALL || is_behind {
                     break;
                 }
             }
@@ -200,19 +204,40 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) ->
             }
         }
     }
-    let Some((direction, draft)) = best else { return Some(directed) };
-    match planner.finished(draft) {
-        Ok(plan) => {
-            let time = Time::computed(plan.tour.figures.seconds);
-            directed.times.retain(|(other, _)| *other != direction);
-            directed.times.push((direction, Some(time)));
-            directed.best = Some((direction, plan));
+    for (direction, draft) in worth_a_plan(drafts) {
+        if directed.best.is_some() && planner.samples.get() >= MOST_OF_ALL {
+            break;
         }
-        Err(NoPlan::Stopped) => return None,
-        Err(NoPlan::NoLines | NoPlan::NoRuns) => {}
-        Err(NoPlan::TooLong) => directed.is_too_long = true,
+        match planner.finished(draft) {
+            Ok(plan) => {
+                let time = Time::computed(plan.tour.figures.seconds);
+                directed.times.retain(|(other, _)| *other != direction);
+                directed.times.push((direction, Some(time)));
+                if directed.best.as_ref().is_none_or(|(_, best)| order_of(&plan) < order_of(best)) {
+                    directed.best = Some((direction, plan));
+                }
+            }
+            Err(NoPlan::Stopped) => return None,
+            Err(NoPlan::NoLines | NoPlan::NoRuns) => {}
+            Err(NoPlan::TooLong) => directed.is_too_long = true,
+        }
     }
     Some(directed)
+}
+
+/// The draft with the shortest time, and the one whose lines in part take the shortest time if that is another one's, and far shorter.
+fn worth_a_plan(mut drafts: Vec<(Angle, Draft)>) -> Vec<(Angle, Draft)> {
+    drafts.sort_by(|(_, a), (_, b)| a.seconds.total_cmp(&b.seconds));
+    let Some(limit) = drafts.first().map(|(_, draft)| WORTH_ANOTHER * draft.seconds_in_part) else { return drafts };
+    let mut others = drafts.split_off(1);
+    others.retain(|(_, draft)| draft.seconds_in_part < limit);
+    drafts.extend(others.into_iter().min_by(|(_, a), (_, b)| a.seconds_in_part.total_cmp(&b.seconds_in_part)));
+    drafts
+}
+
+/// Plans that keep the scallop height before others, then by time in s.
+fn order_of(plan: &MilledPlan) -> (bool, f64) {
+    (plan.finish.far_over_share > KEPT, plan.tour.figures.seconds)
 }
 
 /// Milled plans before estimated ones, among them those that keep the scallop height before the others, then by time.

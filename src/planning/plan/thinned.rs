@@ -26,6 +26,9 @@ const SURE: f64 = 0.95;
 /// the last, runs only end earlier.
 const SHORTEST_GAPS: [f64; 4] = [1.5, 3.0, 6.0, f64::INFINITY];
 
+/// The one of them that tells how much a draft's lines spare in part.
+const DRAFT_GAP: f64 = 3.0;
+
 /// The share of the time of whole lines that lines in part may take to be worth their own.
 const WORTHWHILE: f64 = 0.97;
 
@@ -69,6 +72,15 @@ impl Planner<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// The share of the time of a draft with lines on this spread that lines in part take before stretches come back; 1 for level
+    /// curves, and where it saves next to nothing.
+    pub(super) fn share_in_part(&self, draft: &MilledPlan, spread: &Spread) -> f64 {
+        let Family::Planes(heading) = draft.family else { return 1.0 };
+        let thinning = Thinning::new(heading, &draft.lines.at, spread, self.prepared.profile.outer_radius());
+        let thinner = self.fastest(&thinning, draft, &[DRAFT_GAP]);
+        thinner.map_or(1.0, |thinner| thinner.tour.figures.seconds / draft.tour.figures.seconds)
     }
 
     /// The lines in part with one of these gaps that take the least time; `None` if that is not worthwhile.

@@ -1,8 +1,8 @@
 //! The order of the candidates, those without a plan, and the confidence.
 
-use super::parts::{plate, profile, steps};
+use super::parts::{field, fillet_wall, plate, profile, steps};
 use super::surfaces::{Facet, Height, facets, placed, published, quadrilateral};
-use super::{drive, in_direction, mm, published_cutters, ranked, settings, workpiece};
+use super::{drive, in_direction, mm, published_cutters, ranked, ranked_on, settings, workpiece};
 use scallopd::milling::{Cutter, Model};
 use scallopd::motion::Machine;
 use scallopd::planning::plan::{CandidateCutter, CandidatePlan, MilledFigures, NotRankedReason, Pattern, PlanSettings, rank};
@@ -74,6 +74,19 @@ fn lines_follow_walls_at_which_others_stop() {
     let (best, across) = (&any[0], &across[0]);
     println!("{:?} in {:?}, across {:?}", best.time, best.direction, across.time);
     assert!((best.direction.degrees() - 110.0).abs() < 5.0 && best.time.seconds() < 0.8 * across.time.seconds());
+}
+
+/// Whole lines along a filleted wall are as fast as those over it. Of the latter the floor and the top need only a part, which the
+/// times of whole lines do not tell.
+#[test]
+fn the_direction_with_the_fastest_lines_in_part_is_found() {
+    let part = workpiece(&field([40.0, 40.0], 0.4, fillet_wall));
+    let cutter = [CandidateCutter::new(Cutter::toroidal(mm(6.0), mm(1.0)).unwrap())];
+    let time = |settings: PlanSettings| ranked_on(&part, &cutter, &settings).plans[0].time.seconds();
+    let [along, over] = [90.0, 0.0].map(|direction| time(in_direction(Model::Envelope, direction)));
+    let any = time(settings(Model::Envelope));
+    println!("{any} s, along the wall {along} s, over it {over} s");
+    assert!(over < 0.9 * along && any < 1.05 * over);
 }
 
 #[test]
