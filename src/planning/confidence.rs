@@ -106,6 +106,9 @@ impl Default for SurfaceEvidence {
 pub enum SurfaceWeakness {
     /// Paths of plans with shorter estimated times are too long to be milled, or all are. Figure: their number.
     NotMilled,
+    /// Several operations were asked for, and some of them with shorter estimated times are not planned: the paths of other plans took
+    /// all lines that are computed for one answer. Figure: the number of such arrangements of cutters and lines.
+    OperationsNotPlanned,
     /// The fastest cutter has no teeth and spindle speed and is timed at the machine's feed rate, others are timed at their
     /// own. Figure: the number of these others.
     AssumedFeed,
@@ -152,6 +155,10 @@ impl fmt::Display for Reason<SurfaceWeakness> {
             SurfaceWeakness::NotMilled => write!(
                 f,
                 "{figure:.0} candidates with shorter estimated times have paths too long to be milled; their figures are estimates"
+            ),
+            SurfaceWeakness::OperationsNotPlanned => write!(
+                f,
+                "{figure:.0} arrangements of several operations have shorter estimated times and were not planned: the paths before took all lines that are computed for one answer"
             ),
             SurfaceWeakness::AssumedFeed => write!(
                 f,

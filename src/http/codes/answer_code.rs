@@ -64,6 +64,7 @@ codes! {
         SimulationPrefersOther = "simulation-prefers-other": "The simulation on the surface prefers another cutter", "Use method \"surface\".";
         NotMilled = "not-milled": "Paths are too long to be milled, and their times are estimates", "Select a part of the surface, or allow more height.";
         AssumedFeed = "assumed-feed": "The fastest cutter's feed is assumed, those of others are stated", "State teeth, spindle speed and largest feed per tooth of each cutter.";
+        OperationsNotPlanned = "operations-not-planned": "Several operations may be faster; computing stopped before they were planned", "State fewer cutters, or select a part of the surface.";
         SmallLead = "small-lead": "The fastest cutter is hardly faster than the next", "Decide by other reasons, such as tool wear.";
         CoarseTessellation = "coarse-tessellation": "The facets are wide compared with the step-over", "Export the surface with a finer tolerance.";
         SteepArea = "steep-area": "Part of the area is too steep for the spacing of passes", "Finish the walls in a separate operation.";
@@ -81,8 +82,8 @@ codes! {
 
 same_names! {
     SurfaceWeakness => ConfidenceCode:
-    NotMilled, AssumedFeed, SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, NotClosed, OverTolerance,
-    Gouge, SharpCorners, AssumedPathFeed, CornersNotTimed,
+    NotMilled, OperationsNotPlanned, AssumedFeed, SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, NotClosed,
+    OverTolerance, Gouge, SharpCorners, AssumedPathFeed, CornersNotTimed,
 }
 
 same_names! {

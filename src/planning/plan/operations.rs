@@ -263,8 +263,17 @@ impl OperationsPlan {
     }
 }
 
-/// The fastest plan of at least two and at most `settings.most_operations` operations that keeps the scallop height and is
-/// faster than `single`; `None` if there is none. Once `stop` returns true, the result must be discarded.
+/// What was found of plans of several operations.
+#[derive(Default)]
+pub(super) struct OperationsSearch {
+    /// The fastest of them that keeps the scallop height and is faster than the plan of one operation.
+    pub(super) best: Option<OperationsPlan>,
+    /// The arrangements that are expected to be faster still, and for which too many lines had been computed.
+    pub(super) not_planned: usize,
+}
+
+/// Plans of at least two and at most `settings.most_operations` operations that may be faster than `single`. Once `stop` returns true,
+/// the result must be discarded.
 pub(super) fn operations(
     workpiece: &Workpiece,
     candidates: &[CandidateCutter],
@@ -272,9 +281,10 @@ pub(super) fn operations(
     single: &CandidatePlan,
     samples: &Cell<usize>,
     stop: &(dyn Fn() -> bool + Sync),
-) -> Option<OperationsPlan> {
+) -> OperationsSearch {
+    let mut search = OperationsSearch::default();
     if settings.most_operations < 2 {
-        return None;
+        return search;
     }
     let tools = tools(workpiece, candidates, settings, single.candidate, stop);
     let mut arrangements = Arranger { workpiece, settings, tools: &tools, most: settings.most_operations }.arrangements();
@@ -283,21 +293,22 @@ pub(super) fn operations(
     let keeps = single.milled.is_some_and(|milled| milled.finish.far_over_share <= KEPT);
     let mut limit = if keeps { single.time.seconds() } else { f64::INFINITY };
     let mut arranged = Arranged { workpiece, settings, tools: &tools, area, samples, stop, found: Vec::new() };
-    let mut best = None;
     for _ in 0..MOST_PLANNED {
+        let expected = arrangements.iter().map(|arrangement| arranged.expected(arrangement)).enumerate();
+        let faster = expected.filter(|(_, seconds)| *seconds < limit);
         if samples.get() >= MOST_OF_ALL {
+            search.not_planned = faster.count();
             break;
         }
-        let expected = arrangements.iter().map(|arrangement| arranged.expected(arrangement)).enumerate();
-        let Some((next, _)) = expected.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, seconds)| *seconds < limit) else { break };
+        let Some((next, _)) = faster.min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         let Ok(plan) = arranged.plan(&arrangements.swap_remove(next), &unseen, limit) else { continue };
         let is_kept = plan.finish.far_over_share <= KEPT && plan.finish.uncut_share <= settings.max_uncut_share;
         if is_kept && plan.time.seconds() < limit {
             limit = plan.time.seconds();
-            best = Some(plan);
+            search.best = Some(plan);
         }
     }
-    best
+    search
 }
 
 /// The cutters that operations choose from: the single plan's, and of the others those of the most different sizes.
@@ -480,5 +491,39 @@ fn lines_of(family: &Family, pattern: Pattern) -> Lines {
         (Family::Levels, _) => Lines::Waterline,
         (Family::Planes(heading), Pattern::Zigzag) => Lines::Zigzag(heading.angle()),
         (Family::Planes(heading), Pattern::OneWay) => Lines::OneWay(heading.angle()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::milling::Cutter;
+    use crate::motion::{Machine, Preset};
+    use crate::planning::SurfaceEvidence;
+    use crate::planning::plan::rank;
+    use crate::surface::mesh::Selection;
+    use crate::surface::{Facing, MeshBuilder, Unit};
+
+    #[test]
+    fn arrangements_for_which_too_many_lines_were_computed_are_counted() {
+        // A floor and a wall of 60 deg.
+        let points = [[0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [40.0, 20.0, 0.0], [0.0, 20.0, 0.0], [40.0, 30.0, 17.32], [0.0, 30.0, 17.32]];
+        let mut mesh = MeshBuilder::new();
+        mesh.indexed(&points, &[[0, 1, 2], [0, 2, 3], [3, 2, 4], [3, 4, 5]]).unwrap();
+        let mesh = mesh.finish(Unit::Millimetre, Facing::Up, &|| false).unwrap();
+        let selected = mesh.selected(&Selection::all(), &mesh.pieces(&|| false)).unwrap();
+        let visibility = mesh.visibility(Angle::from_degrees(85.0).unwrap(), &|| false);
+        let part = Workpiece::new(&mesh, &visibility, &selected, None, &|| false);
+        let diameter = Length::from_mm(6.0).unwrap();
+        let candidates = [Cutter::flat_end(diameter), Cutter::ball_end(diameter)].map(CandidateCutter::new);
+        let machine = Machine::from(Preset::named("five_axis_vmc").unwrap().limits);
+        let settings = PlanSettings { max_uncut_share: 0.2, ..PlanSettings::new(Length::from_mm(0.01).unwrap(), machine) };
+        let single = rank(&part, &candidates, &settings, SurfaceEvidence::default(), &|| false).unwrap().plans.remove(0);
+        let settings = PlanSettings { most_operations: 2, ..settings };
+        let searched = |samples: usize| operations(&part, &candidates, &settings, &single, &Cell::new(samples), &|| false);
+        let whole = searched(0);
+        assert!(whole.best.is_some() && whole.not_planned == 0);
+        let cut_short = searched(MOST_OF_ALL);
+        assert!(cut_short.best.is_none() && cut_short.not_planned > 0);
     }
 }

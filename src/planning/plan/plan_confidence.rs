@@ -7,9 +7,11 @@ use super::workpiece::SurfaceFigures;
 use crate::planning::{Confidence, Level, Reason, SurfaceEvidence, SurfaceWeakness};
 
 impl Confidence<SurfaceWeakness> {
-    /// The confidence in plans in their order; `None` without any.
+    /// The confidence in plans in their order, beside which so many arrangements of several operations were not planned; `None`
+    /// without any plan.
     pub(super) fn in_plans(
         plans: &[CandidatePlan],
+        not_planned: usize,
         candidates: &[CandidateCutter],
         surface: &SurfaceFigures,
         settings: &PlanSettings,
@@ -22,9 +24,10 @@ impl Confidence<SurfaceWeakness> {
         // The machine's feed rate is the largest of all: a cutter that is slower with it is slower with any.
         let stated = if is_stated(best) { 0 } else { plans.iter().filter(|plan| is_stated(plan)).count() };
         let sooner = plans.iter().filter(|plan| plan.milled.is_none() && plan.time.seconds() <= best.time.seconds()).count();
-        #[expect(clippy::cast_precision_loss, reason = "counts of candidates and pieces")]
-        let [stated, sooner, pieces] = [stated, sooner, evidence.pieces].map(|count| count as f64);
+        #[expect(clippy::cast_precision_loss, reason = "counts of candidates, arrangements and pieces")]
+        let [stated, sooner, not_planned, pieces] = [stated, sooner, not_planned, evidence.pieces].map(|count| count as f64);
         reasons.extend(Reason::over(SurfaceWeakness::NotMilled, sooner, 0.0, if best.milled.is_some() { f64::INFINITY } else { 0.0 }));
+        reasons.extend(Reason::over(SurfaceWeakness::OperationsNotPlanned, not_planned, 0.0, f64::INFINITY));
         reasons.extend(Reason::over(SurfaceWeakness::AssumedFeed, stated, 0.0, f64::INFINITY));
         if let Some(next) = plans.get(1) {
             let lead = (1.0 - best.time.seconds() / next.time.seconds()).abs();

@@ -6,7 +6,7 @@ use super::estimated_candidate::EstimatedCandidate;
 use super::family::{Family, Heading};
 use super::judged::KEPT;
 use super::milled_plan::{Draft, MOST_OF_ALL, MilledPlan, NoPlan, Planner};
-use super::operations::{OperationsPlan, operations};
+use super::operations::{OperationsPlan, OperationsSearch, operations};
 use super::settings::{CandidateCutter, PlanSettings};
 use super::spacing::rows_of;
 use super::stations::{Cells, DrawnPlace, ESTIMATED_ON, Region, Set, drawn, drawn_until, left_by, stations, within};
@@ -71,9 +71,10 @@ pub fn rank(
     not_ranked.extend(without_lines);
     not_ranked.sort_by_key(|not_ranked| not_ranked.candidate);
     let surface = workpiece.figures();
-    let confidence = Confidence::in_plans(&plans, candidates, &surface, settings, evidence);
     let single = plans.first().filter(|_| job.rest_of.is_none());
-    let operations = single.and_then(|single| operations(workpiece, candidates, settings, single, &samples, stop));
+    let OperationsSearch { best: operations, not_planned } =
+        single.map(|single| operations(workpiece, candidates, settings, single, &samples, stop)).unwrap_or_default();
+    let confidence = Confidence::in_plans(&plans, not_planned, candidates, &surface, settings, evidence);
     if stop() {
         return None;
     }
