@@ -6,7 +6,7 @@
 
 use super::extremes::CoordinateRange;
 use super::input::{Input, ReadError};
-use super::words::{Decimals, Words, names_no_finite_number, trimmed};
+use super::words::{Decimals, Words, names_no_finite_number, trimmed, unsigned};
 use super::{Format, Notes, ReadSummary, Sink};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
 
@@ -106,7 +106,7 @@ impl Content {
             b"COUNT" => {
                 self.counts = words
                     .take(MOST_FIELDS)
-                    .map(|word| whole(word).filter(|count| *count <= MOST_FIELDS as u64))
+                    .map(|word| unsigned(word).filter(|count| *count <= MOST_FIELDS as u64))
                     .map(|count| {
                         count
                             .and_then(|count| usize::try_from(count).ok())
@@ -117,7 +117,7 @@ impl Content {
             }
             b"POINTS" => {
                 let count = words.next().unwrap_or_default();
-                self.stated = Some(whole(count).ok_or_else(|| Flaw::quoting("the number of points", count))?);
+                self.stated = Some(unsigned(count).ok_or_else(|| Flaw::quoting("the number of points", count))?);
                 Ok(())
             }
             b"DATA" => self.begin(words.next().unwrap_or_default()),
@@ -147,9 +147,4 @@ impl Content {
         self.data = Some(Data { columns: [x, y, z], width });
         Ok(())
     }
-}
-
-/// A whole number of at most 18 digits.
-fn whole(word: &[u8]) -> Option<u64> {
-    if word.len() > 18 { None } else { std::str::from_utf8(word).ok()?.parse().ok() }
 }

@@ -9,8 +9,8 @@
 
 use super::faces::{Faces, too_many_vertices};
 use super::input::{Input, ReadError};
-use super::ply_header::{self, Element, PlyKind, Property, Type, integer};
-use super::words::{Decimals, Words, unbounded};
+use super::ply_header::{self, Element, PlyKind, Property, Type};
+use super::words::{Decimals, Words, unbounded, unsigned};
 use super::{Format, LARGEST_COORDINATE, Notes, ReadSummary, Sink};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
 
@@ -139,12 +139,12 @@ impl Surface<'_> {
                 Property::Scalar { axis: Some(axis), .. } => vertex[axis] = decimals.coordinate(word, "a number")?,
                 Property::Scalar { axis: None, .. } => {}
                 Property::List { corners, .. } => {
-                    let count = integer(word).ok_or_else(|| Flaw::quoting("the length of a list", word))?;
+                    let count = unsigned(word).ok_or_else(|| Flaw::quoting("the length of a list", word))?;
                     for _ in 0..count {
                         let item = words.next().ok_or_else(missing)?;
                         if corners {
-                            let number = integer(item);
-                            if number.is_none() && integer(item.strip_prefix(b"-").unwrap_or(item)).is_none() {
+                            let number = unsigned(item);
+                            if number.is_none() && unsigned(item.strip_prefix(b"-").unwrap_or(item)).is_none() {
                                 return Err(Flaw::quoting("the number of a vertex", item));
                             }
                             self.corner(number, || quoted(item))?;

@@ -2,7 +2,7 @@
 
 use super::Format;
 use super::input::{Input, ReadError};
-use super::words::{CommentedUnit, Words, line_end};
+use super::words::{CommentedUnit, Words, line_end, unsigned};
 use crate::file_fault::{FileFaultKind, Flaw, quoted};
 use crate::surface::Unit;
 
@@ -173,7 +173,7 @@ impl HeaderLines {
             return Err(Flaw::new(FileFaultKind::Malformed, "one element of this name", quoted(name)));
         }
         let count = words.next().unwrap_or_default();
-        let count = integer(count).ok_or_else(|| Flaw::quoting("a count of at most 18 digits", count))?;
+        let count = unsigned(count).ok_or_else(|| Flaw::quoting("a count of at most 18 digits", count))?;
         self.elements.push(Element { kind, name: quoted(name), count, properties: Vec::new() });
         Ok(())
     }
@@ -247,10 +247,4 @@ impl Property {
 
 fn name<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Flaw> {
     words.next().ok_or_else(|| Flaw::quoting("the name of a property", b""))
-}
-
-/// A whole number of at most 18 digits, so that sums of the counts in a header do not overflow.
-pub(super) fn integer(word: &[u8]) -> Option<u64> {
-    let fits = !word.is_empty() && word.len() <= 18;
-    fits.then(|| word.iter().try_fold(0, |value, byte| byte.is_ascii_digit().then(|| value * 10 + u64::from(byte - b'0'))))?
 }

@@ -57,6 +57,12 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
+/// A whole number of at most 18 digits, so that sums of the counts in a header do not overflow.
+pub(super) fn unsigned(word: &[u8]) -> Option<u64> {
+    let fits = !word.is_empty() && word.len() <= 18;
+    fits.then(|| word.iter().try_fold(0, |value, byte| byte.is_ascii_digit().then(|| value * 10 + u64::from(byte - b'0'))))?
+}
+
 /// Whether `text` starts with a number.
 pub(super) fn starts_number(text: &[u8]) -> bool {
     matches!(text, [b'0'..=b'9', ..] | [b'+' | b'-' | b'.', b'0'..=b'9' | b'.', ..])

@@ -18,7 +18,7 @@ mod table_header;
 
 use super::extremes::CoordinateRange;
 use super::input::{Input, ReadError};
-use super::words::{trimmed, trimmed_start};
+use super::words::{trimmed, trimmed_start, unsigned};
 use super::{Format, Notes, ReadSummary, Sink};
 use crate::file_fault::{FileFaultKind, Flaw};
 use crate::surface;
@@ -174,7 +174,7 @@ impl Table {
             self.header = Some(header);
             return Ok(None);
         } else if self.count.is_none()
-            && let Some(count) = whole(trimmed(line))
+            && let Some(count) = unsigned(trimmed(line))
         {
             self.count = Some((count, number));
             return Ok(None);
@@ -214,12 +214,6 @@ fn stated_separator(line: &[u8]) -> Option<Result<Separator, Flaw>> {
         b" " => Ok(Separator::Blanks),
         other => Err(Flaw::quoting("a semicolon, comma, tab or blank after sep=", other)),
     })
-}
-
-/// A whole number of at most 18 digits.
-fn whole(text: &[u8]) -> Option<u64> {
-    let is_whole = text.len() <= 18 && text.iter().all(u8::is_ascii_digit);
-    std::str::from_utf8(text).ok().filter(|_| is_whole)?.parse().ok()
 }
 
 /// `line` with ordinary blanks in place of no-break spaces, in UTF-8 and in Latin-1.
