@@ -179,8 +179,8 @@ fn fastest_of(plans: &[CandidatePlan]) -> f64 {
 /// Drafts the plans of a candidate in these directions, as long as its paths are short enough for further ones and it is not behind
 /// another one that takes `fastest` seconds, and finishes the best; `None` once `stop` returns true.
 ///
-/// A draft does not tell what lines in part spare: which of their stretches come back is known once they are milled. So another
-/// direction whose lines spare far more in part is finished too, and the faster plan is taken.
+/// A draft tells roughly what lines in part spare: which of their stretches come back is known once they are milled. So a direction
+/// whose lines take far less time in part is finished beside the one with the fastest whole lines, and the faster plan is taken.
 fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) -> Option<Directed> {
     let mut directed = Directed { best: None, times: Vec::new(), is_too_long: false };
     let mut drafts: Vec<(Angle, Draft)> = Vec::new();
@@ -226,7 +226,7 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) ->
     Some(directed)
 }
 
-/// The draft with the shortest time, and the one whose lines in part take the shortest time if that is another one's, and far shorter.
+/// The draft with the shortest time, and of those whose lines take far less time in part, the one with the shortest such time.
 fn worth_a_plan(mut drafts: Vec<(Angle, Draft)>) -> Vec<(Angle, Draft)> {
     drafts.sort_by(|(_, a), (_, b)| a.seconds.total_cmp(&b.seconds));
     let Some(limit) = drafts.first().map(|(_, draft)| WORTH_ANOTHER * draft.seconds_in_part) else { return drafts };

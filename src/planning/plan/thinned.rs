@@ -74,8 +74,8 @@ impl Planner<'_> {
         Ok(None)
     }
 
-    /// The share of the time of a draft with lines on this spread that lines in part take before stretches come back; 1 for level
-    /// curves, and where it saves next to nothing.
+    /// The share of a draft's time that its lines take in part, before stretches come back; 1 for level curves, and where that saves
+    /// next to nothing. The spread is the draft's.
     pub(super) fn share_in_part(&self, draft: &MilledPlan, spread: &Spread) -> f64 {
         let Family::Planes(heading) = draft.family else { return 1.0 };
         let thinning = Thinning::new(heading, &draft.lines.at, spread, self.prepared.profile.outer_radius());
