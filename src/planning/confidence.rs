@@ -158,7 +158,7 @@ impl fmt::Display for Reason<SurfaceWeakness> {
             ),
             SurfaceWeakness::OperationsNotPlanned => write!(
                 f,
-                "{figure:.0} arrangements of several operations have shorter estimated times and were not planned: the paths before took all lines that are computed for one answer"
+                "{figure:.0} arrangements of several operations have shorter estimated times and were not planned: paths planned before them took all lines that are computed for one answer"
             ),
             SurfaceWeakness::AssumedFeed => write!(
                 f,

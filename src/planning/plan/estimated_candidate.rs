@@ -22,8 +22,8 @@ const MILLED_WITHIN: f64 = 1.15;
 /// Estimates of directions nearer than this, in deg, err by nearly the same share. Directions further apart are milled first.
 const FAR_APART: f64 = 30.0;
 
-/// A direction along the part is milled rather than another one whose estimate is shorter by less than this factor: estimates know
-/// neither what passes along a straight wall spare nor what lines in part do.
+/// A direction along the part is milled before another one whose estimate is over this share of its own: estimates know neither what
+/// passes along a straight wall spare nor what lines in part do.
 const ALONG_PART: f64 = 0.95;
 
 /// The smallest angle between milled directions in deg. Nearer ones have nearly the same lines.
@@ -110,9 +110,9 @@ impl EstimatedCandidate {
         let limit = MILLED_WITHIN * self.shortest();
         let within = |&(angle, seconds): &(Angle, Option<f64>)| seconds.filter(|seconds| *seconds <= limit).map(|seconds| (angle, seconds));
         let mut sorted: Vec<(Angle, f64)> = self.directions.iter().filter_map(within).collect();
-        sorted.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let fastest = sorted.iter().min_by(|a, b| a.1.total_cmp(&b.1));
+        let mut chosen: Vec<Angle> = fastest.map(|(angle, _)| *angle).into_iter().collect();
         let is_along = |angle: &Angle| along_part.iter().any(|along| lines_apart(*along, *angle) < REPEATED);
-        let mut chosen: Vec<Angle> = sorted.first().map(|(angle, _)| *angle).into_iter().collect();
         let favoured = |(angle, seconds): &(Angle, f64)| if is_along(angle) { ALONG_PART * seconds } else { *seconds };
         sorted.sort_by(|a, b| favoured(a).total_cmp(&favoured(b)));
         let along = sorted.iter().map(|(angle, _)| *angle).find(is_along);

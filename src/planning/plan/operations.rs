@@ -268,7 +268,7 @@ impl OperationsPlan {
 pub(super) struct OperationsSearch {
     /// The fastest of them that keeps the scallop height and is faster than the plan of one operation.
     pub(super) best: Option<OperationsPlan>,
-    /// The arrangements that are expected to be faster still, and for which too many lines had been computed.
+    /// The number of arrangements that are expected to be faster still and were not planned, because too many lines had been computed.
     pub(super) not_planned: usize,
 }
 
