@@ -26,9 +26,10 @@ const MOST_CANDIDATES: usize = 8;
 /// The samples of a direction's lines from which on a candidate is planned in no other.
 const ONE_DIRECTION: usize = 800_000;
 
-/// A candidate whose first draft takes longer by this factor than a plan that keeps the scallop height is drafted in no other
-/// direction.
+/// A candidate whose first two drafts take longer by this factor than a plan that keeps the scallop height is drafted in no other
+/// direction. One draft says too little: beside walls directions differ by more.
 const BEHIND: f64 = 1.15;
+const FEWEST_DRAFTS: usize = 2;
 
 /// A direction is planned beside that with the fastest whole lines if its lines in part take less than this share of the other's.
 const WORTH_ANOTHER: f64 = 0.93;
@@ -192,7 +193,7 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) ->
             Ok(draft) => {
                 directed.times.push((direction, Some(Time::computed(draft.seconds))));
                 drafts.push((direction, draft));
-                let is_behind = drafts.iter().all(|(_, draft)| draft.seconds > BEHIND * fastest);
+                let is_behind = drafts.len() >= FEWEST_DRAFTS && drafts.iter().all(|(_, draft)| draft.seconds > BEHIND * fastest);
                 if after - before > ONE_DIRECTION || after >= MOST_OF_ALL || is_behind {
                     break;
                 }

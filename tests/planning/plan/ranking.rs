@@ -89,6 +89,22 @@ fn the_direction_with_the_fastest_lines_in_part_is_found() {
     assert!(over < 0.9 * along && any < 1.05 * over);
 }
 
+/// What a cutter takes does not depend on the cutters that it is asked with: one direction that is behind tells nothing of the others.
+#[test]
+fn a_cutter_asked_with_others_has_the_plan_that_it_has_alone() {
+    let part = workpiece(&field([40.0, 40.0], 0.4, fillet_wall));
+    let cutters = [Cutter::flat_end(mm(6.0)), Cutter::toroidal(mm(6.0), mm(1.0)).unwrap()].map(CandidateCutter::new);
+    // The flat end does not reach the feet of the fillets.
+    let settings = PlanSettings { max_uncut_share: 0.5, ..settings(Model::Envelope) };
+    let together = ranked_on(&part, &cutters, &settings).plans;
+    assert_eq!(together.len(), 2);
+    for plan in &together {
+        let alone = ranked_on(&part, &cutters[plan.candidate..=plan.candidate], &settings).plans[0].time.seconds();
+        println!("cutter {}: {:?} together, {alone} s alone", plan.candidate, plan.time);
+        assert!(plan.time.seconds() < 1.02 * alone);
+    }
+}
+
 #[test]
 fn cutters_that_do_not_reach_are_not_ranked() {
     // Grooves of 4 mm between plates of 6 mm, 3 mm deep.
