@@ -272,7 +272,9 @@ impl Planner<'_> {
         if further.is_empty() {
             return Ok(plan);
         }
-        let MilledPlan { family, lines, mut runs, order, .. } = plan;
+        let MilledPlan { family, lines, mut runs, order, tour, .. } = plan;
+        // Paths of long plans take many megabytes.
+        drop(tour);
         runs.extend(further);
         self.judged_plan(stations, family, lines, runs, order)
     }

@@ -4,6 +4,7 @@ use super::candidate_plan::{CandidatePlan, PlannedPath};
 use super::family::Family;
 use super::milled_plan::MilledPlan;
 use super::operations::OperationsPlan;
+use super::runs::RunTip;
 use super::settings::{CandidateCutter, PlanSettings};
 use super::spacing::Prepared;
 use super::tour::TourPoint;
@@ -94,16 +95,16 @@ fn pass_point(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> PassPoint {
     let feed_per_tooth = prepared.range.map(|range| Length::computed(point.rate / range.teeth_per_second));
-    let cut = point.of_run.and_then(|tip| {
-        let target = tip.target.filter(|_| !stop())?;
-        let spacing = plan.lines.farther_neighbour(&plan.family, tip.tip);
+    let RunTip { tip, target, contact } = point.at;
+    let cut = target.filter(|_| !stop()).map(|target| {
+        let spacing = plan.lines.farther_neighbour(&plan.family, tip);
         let step_over = Length::computed(spacing / plan.family.ratio(&workpiece.tangents[target]));
         let (curvature, scallop_height) =
             height_at(workpiece, target, &plan.family, &prepared.candidate, settings, step_over, feed_per_tooth);
         let normal = Vector3::from(workpiece.targets[target].normal).normalize().into();
-        Some(CutPoint { contact: tip.contact, normal, step_over, scallop_height, curvature })
+        CutPoint { contact, normal, step_over, scallop_height, curvature }
     });
-    PassPoint { tip: point.tip, kind: point.kind, cut, feed_per_tooth, feed_rate: Speed::computed(point.rate) }
+    PassPoint { tip, kind: point.kind, cut, feed_per_tooth, feed_rate: Speed::computed(point.rate) }
 }
 
 /// The curvature of a target in the axes of the feed, and the scallop height there.

@@ -378,7 +378,10 @@ impl RunMaker<'_> {
         let further = [0, 1].map(|axis| sense * length * self.heading.along[axis]);
         let further =
             straight_on(&self.workpiece.drop, &self.prepared.profile, end.tip, [further[0], further[1], slope * length], &self.sampling);
-        let further = further.into_iter().flatten().map(|tip| RunTip { tip, target: None, ..end });
+        let further = further.unwrap_or_default();
+        // The runs of long paths take many megabytes: without spare capacity, half of it.
+        run.tips.reserve_exact(further.len());
+        let further = further.into_iter().map(|tip| RunTip { tip, target: None, ..end });
         if last {
             run.tips.extend(further);
         } else {

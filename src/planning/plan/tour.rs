@@ -157,10 +157,9 @@ impl Lines {
 /// How the tool gets to a point of the path, and what it does there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TourPoint {
-    pub(super) tip: [f64; 3],
+    /// On links it finishes nothing.
+    pub(super) at: RunTip,
     pub(super) kind: MoveKind,
-    /// The run's tip at this point; `None` on links.
-    pub(super) of_run: Option<RunTip>,
     /// The feed rate of the move to this point in mm/s.
     pub(super) rate: f64,
 }
@@ -213,6 +212,8 @@ impl Tour {
         let links: Vec<Link> = runs.par_windows(2).map(|pair| linker.between(&pair[0], &pair[1])).collect();
         tour.figures.links = links.len();
         tour.figures.lifts = links.iter().filter(|link| !link.rapid.is_empty()).count();
+        let of_links: usize = links.iter().map(|link| link.rapid.len() + link.fed.len()).sum();
+        tour.points.reserve(of_links + runs.iter().map(Vec::len).sum::<usize>());
         for (link, run) in std::iter::once(linker.approach(first.tip)).chain(links).zip(&runs) {
             tour.add_link(&link, prepared, settings);
             tour.add_run(workpiece, prepared, settings, run);
@@ -232,15 +233,15 @@ impl Tour {
     /// The moves with their feed rates.
     fn timed_moves(&self) -> impl Iterator<Item = TimedMove> {
         self.points.windows(2).map(|pair| TimedMove {
-            from: pair[0].tip,
-            to: pair[1].tip,
+            from: pair[0].at.tip,
+            to: pair[1].at.tip,
             feed_rate: (pair[1].kind != MoveKind::Rapid).then(|| Speed::computed(pair[1].rate)),
         })
     }
 
     /// The moves of the path.
     pub(super) fn moves(&self) -> Vec<Move> {
-        self.points.windows(2).map(|pair| Move { from: pair[0].tip, to: pair[1].tip, kind: pair[1].kind }).collect()
+        self.points.windows(2).map(|pair| Move { from: pair[0].at.tip, to: pair[1].at.tip, kind: pair[1].kind }).collect()
     }
 
     fn add_run(&mut self, workpiece: &Workpiece, prepared: &Prepared, settings: &PlanSettings, tips: &[&RunTip]) {
@@ -255,8 +256,8 @@ impl Tour {
             length += step;
             seconds += step / rate;
             match self.points.last_mut() {
-                Some(point) if last.is_none() && travel::distance(point.tip, tip.tip) < 1e-12 => point.of_run = Some(*tip),
-                _ => self.points.push(TourPoint { tip: tip.tip, kind: MoveKind::Cut, of_run: Some(*tip), rate }),
+                Some(point) if last.is_none() && travel::distance(point.at.tip, tip.tip) < 1e-12 => point.at = *tip,
+                _ => self.points.push(TourPoint { at: *tip, kind: MoveKind::Cut, rate }),
             }
             last = Some(tip);
         }
@@ -271,7 +272,7 @@ impl Tour {
     }
 
     fn add_link(&mut self, link: &Link, prepared: &Prepared, settings: &PlanSettings) {
-        let point = |tip: &[f64; 3], kind: MoveKind, rate: f64| TourPoint { tip: *tip, kind, of_run: None, rate };
+        let point = |&tip: &[f64; 3], kind: MoveKind, rate: f64| TourPoint { at: RunTip { tip, target: None, contact: tip }, kind, rate };
         let rapid_rate = settings.machine.rapid_rate.mm_s();
         self.points.extend(link.rapid.iter().map(|tip| point(tip, MoveKind::Rapid, rapid_rate)));
         self.points.extend(link.fed.iter().map(|tip| point(tip, MoveKind::Link, prepared.link_rate)));
