@@ -79,9 +79,9 @@ struct Moves {
 
 impl Moves {
     fn new(moves: &[Move], radius: f64, stop: &(dyn Fn() -> bool + Sync), wanted: impl Fn(usize, MoveKind) -> bool) -> Self {
-        let chosen = || moves.iter().enumerate().filter(|(index, each)| wanted(*index, each.kind));
-        let swept: Vec<Swept> = chosen().map(|(_, each)| Swept::new(each.from, each.to)).collect();
-        let indices = chosen().map(|(index, _)| index as u32).collect();
+        let chosen = moves.iter().enumerate().filter(|(index, each)| wanted(*index, each.kind));
+        let indices: Vec<u32> = chosen.map(|(index, _)| index as u32).collect();
+        let swept: Vec<Swept> = indices.iter().map(|&index| &moves[index as usize]).map(|each| Swept::new(each.from, each.to)).collect();
         let grid = MoveGrid::new(&swept, radius, stop);
         Self { swept, indices, grid }
     }

@@ -21,8 +21,20 @@ use crate::quantity::{Angle, Length, OutOfRange, Time};
 use crate::surface::mesh::Selection;
 use crate::surface::{Basis, ReceivedSurface, Shape, ShapeError};
 
-/// The most points of the passes in an answer, some 100 MB of JSON.
-const MOST_POINTS: usize = 400_000;
+/// The most points of the passes in an answer, some 100 MB of JSON, and of a program, some 40 MB of text.
+const MOST_PASS_POINTS: usize = 400_000;
+const MOST_PROGRAM_POINTS: usize = 1_000_000;
+
+/// Whether this part of an answer may have the points of a path; a warning says why it is left out.
+fn fits(name: &str, points: usize, most: usize, warnings: &mut Vec<Warning>) -> bool {
+    let reason = match points {
+        0 => "the first candidate's path is too long to be milled".to_owned(),
+        _ if points > most => format!("the path has {points} points, over {most}"),
+        _ => return true,
+    };
+    warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{name} left out: {reason}")));
+    false
+}
 
 /// A recommendation to compute: a surface and the parameters.
 pub(super) struct Task {
@@ -128,20 +140,17 @@ impl Task {
         self.warnings.extend(limited_speeds(named, &self.parameters.machine));
         let points =
             ranking.operations.as_ref().map_or_else(|| ranking.plans.first().map_or(0, CandidatePlan::points), OperationsPlan::points);
-        let fits = (1..=MOST_POINTS).contains(&points);
-        let (wants_passes, wants_program) = (self.parameters.includes(AnswerPart::Passes), self.parameters.includes(AnswerPart::Program));
-        if (wants_passes || wants_program) && !fits {
-            let detail = format!("the passes have more than {MOST_POINTS} points and were left out");
-            self.warnings.push(Warning::new(WarningCode::PassesLeftOut, detail));
-        }
-        let path = if (wants_passes || wants_program) && fits { passes_of_best(machined, &simulation, stop) } else { None };
-        let program = path.as_ref().filter(|_| wants_program).and_then(|path| {
+        let [gives_passes, gives_program] =
+            [(AnswerPart::Passes, "passes", MOST_PASS_POINTS), (AnswerPart::Program, "program", MOST_PROGRAM_POINTS)]
+                .map(|(part, name, most)| self.parameters.includes(part) && fits(name, points, most, &mut self.warnings));
+        let path = if gives_passes || gives_program { passes_of_best(machined, &simulation, stop) } else { None };
+        let program = path.as_ref().filter(|_| gives_program).and_then(|path| {
             let first = ranking.plans.first()?.candidate;
             let several = ranking.operations.as_ref().map(|plan| plan.operations.iter().map(|operation| operation.candidate).collect());
             let cutters: Vec<_> = several.unwrap_or_else(|| vec![first]).into_iter().map(|index: usize| &named[index]).collect();
             ProgramAnswer::of(path, &cutters, &self.parameters.machine, &self.parameters.program)
         });
-        let passes = path.filter(|_| wants_passes).map(PassesAnswer::of);
+        let passes = path.filter(|_| gives_passes).map(PassesAnswer::of);
         let wants_maps = self.parameters.includes(AnswerPart::Maps);
         let cells = (wants_maps || self.parameters.includes(AnswerPart::Map)).then(|| MapCells::new(machined, settings));
         let map = cells.as_ref().and_then(|cells| cells.map(ranking, stop));

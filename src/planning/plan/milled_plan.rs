@@ -44,7 +44,7 @@ impl Effort {
 }
 
 /// The samples of a path's lines: the most, some sixteen seconds on two threads, and those from which on the path is long.
-const MOST_SAMPLES: usize = 4_000_000;
+const MOST_SAMPLES: usize = 6_000_000;
 const LONG: usize = 300_000;
 
 /// The samples of all candidates, some thirty seconds on two threads, beyond which no candidate is planned and no further round of lines
@@ -159,6 +159,7 @@ impl Planner<'_> {
         let mut seen: Vec<Station> = self.stations.iter().chain(&unseen).copied().collect();
         if !is_kept {
             seen.extend(self.near_high_places(&plan, &unseen));
+            drop(plan);
             plan = self.spaced(&seen, family, &spread, allowed, fine, &Effort::AGAIN)?.plan;
         }
         if let Some(thinner) = self.thinned(&plan, &seen)? {

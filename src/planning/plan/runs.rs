@@ -79,7 +79,7 @@ pub(super) fn target_under(workpiece: &Workpiece, prepared: &Prepared, axis: [f6
 }
 
 /// The most tips of a path: of some 200 m on a curved part. It bounds the memory of a plan, some 200 MB.
-pub(super) const MOST_TIPS: usize = 400_000;
+pub(super) const MOST_TIPS: usize = 800_000;
 
 /// The width in mm to which the end of a run is narrowed down.
 const END: f64 = 1e-3;
