@@ -47,9 +47,10 @@ impl Effort {
 const MOST_SAMPLES: usize = 6_000_000;
 const LONG: usize = 300_000;
 
-/// The samples of all candidates, some thirty seconds on two threads, beyond which no candidate is planned and no further round of lines
-/// is made.
+/// The samples of all candidates, some thirty seconds on two threads, beyond which no candidate is planned, and beyond which no further
+/// round of lines is made.
 pub(super) const MOST_OF_ALL: usize = 8_000_000;
+const MOST_OF_ROUNDS: usize = 10_000_000;
 
 /// A plan keeps the scallop height where this share of the area, at most, is far over it: of two that do, the faster one is taken.
 const ENOUGH: f64 = 0.002;
@@ -135,7 +136,7 @@ impl Planner<'_> {
         let spread = Spread::new(workpiece, stations, prepared, &family, settings.scallop_height.mm());
         let allowed = Allowed::of(&spread, &prepared.candidate, settings.left_out_share);
         let coarse = Sampling::coarse(&prepared.profile, DRAFT_CHORD_SHARE * settings.scallop_height.mm());
-        let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, coarse, &Effort::DRAFT)?;
+        let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, coarse, &Effort::DRAFT, None)?;
         let lines = next.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?.len();
         let before = plan.lines.at.len();
         let keeps_lines = plan.finish.far_over_share <= ENOUGH && lines >= before;
@@ -152,15 +153,14 @@ impl Planner<'_> {
     pub(super) fn finished(&self, draft: Draft) -> Result<MilledPlan, NoPlan> {
         let Draft { family, spread, allowed, .. } = draft;
         let fine = Sampling::fine(&self.prepared.profile, CHORD_SHARE * self.settings.scallop_height.mm());
-        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, &Effort::PLAN)?;
+        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, &Effort::PLAN, None)?;
         let unseen = (self.further)(Set::Unseen, None);
         let mut plan = self.measured(&unseen, plan)?;
         let is_kept = plan.finish.far_over_share <= UNSEEN_ENOUGH;
         let mut seen: Vec<Station> = self.stations.iter().chain(&unseen).copied().collect();
         if !is_kept {
             seen.extend(self.near_high_places(&plan, &unseen));
-            drop(plan);
-            plan = self.spaced(&seen, family, &spread, allowed, fine, &Effort::AGAIN)?.plan;
+            plan = self.spaced(&seen, family, &spread, allowed, fine, &Effort::AGAIN, Some(plan))?.plan;
         }
         if let Some(thinner) = self.thinned(&plan, &seen)? {
             let last = (self.further)(Set::Last, None);
@@ -204,7 +204,8 @@ impl Planner<'_> {
         near
     }
 
-    /// The best of some rounds. In each round lines move to the spacings that the round before allows.
+    /// The best of some rounds, the first of them with the lines of the plan `first` if there is one. In each round lines move to the
+    /// spacings that the round before allows.
     fn spaced(
         &self,
         stations: &[Station],
@@ -213,6 +214,7 @@ impl Planner<'_> {
         mut allowed: Allowed,
         sampling: Sampling,
         effort: &Effort,
+        mut first: Option<MilledPlan>,
     ) -> Result<Spaced, NoPlan> {
         let Self { settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
@@ -220,16 +222,19 @@ impl Planner<'_> {
         let mut best: Option<Spaced> = None;
         for round in 1..=*effort.rounds.end() {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
-            let before = self.samples.get();
-            let runs = maker.runs(&lines, self.samples)?;
-            let of_round = self.samples.get() - before;
-            if stop() {
-                return Err(NoPlan::Stopped);
-            }
-            if runs.is_empty() {
-                return Err(NoPlan::NoRuns);
-            }
-            let plan = self.judged_plan(stations, family, CutLines::whole(lines.clone()), runs, Order::ByLines)?;
+            let of_round = maker.samples(&lines);
+            let plan = if let Some(MilledPlan { lines, runs, order, tour, .. }) = first.take() {
+                self.judged_tour(stations, family, lines, runs, order, tour)?
+            } else {
+                let runs = maker.runs(&lines, self.samples)?;
+                if stop() {
+                    return Err(NoPlan::Stopped);
+                }
+                if runs.is_empty() {
+                    return Err(NoPlan::NoRuns);
+                }
+                self.judged_plan(stations, family, CutLines::whole(lines.clone()), runs, Order::ByLines)?
+            };
             let plan = self.with_missed_places(stations, plan, effort.missed)?;
             // Where a few rounds do not keep the scallop height, places between the stations are the reason.
             let margin = if round <= *effort.rounds.start() { 0.995 } else { 0.97 };
@@ -243,7 +248,7 @@ impl Planner<'_> {
             }
             // The rounds of a long path take seconds: none follows one that was no better.
             let is_no_better = of_round > LONG && !is_best;
-            if is_enough || is_no_better || self.samples.get() + of_round > MOST_OF_ALL {
+            if is_enough || is_no_better || self.samples.get() + of_round > MOST_OF_ROUNDS {
                 break;
             }
         }
@@ -363,20 +368,26 @@ enum LineMaker<'a> {
 }
 
 impl LineMaker<'_> {
+    /// About how many samples lines take; level curves take none.
+    fn samples(&self, lines: &[f64]) -> usize {
+        match self {
+            Self::Planes(maker) => maker.samples(lines),
+            Self::Levels(_) => 0,
+        }
+    }
+
     /// The runs of lines, whose samples are added to `samples`.
     fn runs(&self, lines: &[f64], samples: &Cell<usize>) -> Result<Vec<Run>, NoPlan> {
-        match self {
-            Self::Planes(maker) => {
-                let of_lines = maker.samples(lines);
-                if of_lines > MOST_SAMPLES {
-                    return Err(NoPlan::TooLong);
-                }
-                samples.set(samples.get() + of_lines);
-                maker.runs(lines)
-            }
-            Self::Levels(maker) => maker.runs(lines),
+        let of_lines = self.samples(lines);
+        if of_lines > MOST_SAMPLES {
+            return Err(NoPlan::TooLong);
         }
-        .ok_or(NoPlan::TooLong)
+        samples.set(samples.get() + of_lines);
+        let runs = match self {
+            Self::Planes(maker) => maker.runs(lines),
+            Self::Levels(maker) => maker.runs(lines),
+        };
+        runs.ok_or(NoPlan::TooLong)
     }
 }
 
