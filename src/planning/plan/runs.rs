@@ -185,17 +185,21 @@ impl RunMaker<'_> {
         self.divided(position, across, &tips)
     }
 
-    /// A place of the line beyond all that it finishes, from the outermost station. Stations are samples: the border is
-    /// farther out, and beyond it the tip still touches its edge.
+    /// A place of the line beyond all that it finishes, from the outermost station: a diameter beyond the last target on the way.
+    /// Stations are samples: on a large part the border is several diameters farther out, and beyond it the tip still touches its edge.
     fn beyond_targets(&self, station: f64, sense: f64, line: &Line) -> f64 {
         const STEPS: u32 = 16;
         let step = sense * 2.0 * self.prepared.profile.outer_radius() / f64::from(STEPS);
         let mut guess = None;
         let mut beyond = station + step;
-        for count in 1..=STEPS {
-            let tip = self.dropped(station + step * f64::from(count), line, guess);
+        let (mut along, mut without_target) = (station, 0);
+        while without_target < STEPS {
+            along += step;
+            let tip = self.dropped(along, line, guess);
+            without_target += 1;
             if tip.target.is_some() {
-                beyond = tip.along + step;
+                beyond = along + step;
+                without_target = 0;
             }
             guess = tip.touch;
         }
