@@ -13,19 +13,21 @@ use super::spacing::Prepared;
 use super::stations::{Cells, Region, Set, Station};
 use super::tour::{Order, Tour};
 use super::workpiece::Workpiece;
+use crate::milling::Profile;
 use crate::path::{Milled, Move, Sampling};
 use crate::quantity::Length;
 use std::cell::Cell;
 use std::ops::RangeInclusive;
 
-/// The share of the scallop height by which chords between tips may differ from the tips' surface; in a draft, for which coarse
-/// tips suffice, and in a plan.
-const DRAFT_CHORD_SHARE: f64 = 0.3;
+/// The share of the scallop height by which chords between the tips of a plan may differ from the tips' surface.
 pub(super) const CHORD_SHARE: f64 = 0.1;
 
-/// How long the lines of a plan are moved.
+/// How closely tips are sampled, and how long the lines of a plan are moved.
 #[derive(Debug, Clone)]
 struct Effort {
+    sampling: fn(&Profile, f64) -> Sampling,
+    /// The share of the scallop height by which chords between tips may differ from the tips' surface.
+    chord_share: f64,
     /// The fewest and the most rounds. After the fewest, another one follows while the scallop height is not kept.
     rounds: RangeInclusive<usize>,
     /// The share of the lines that another round must spare to be worth its time.
@@ -37,13 +39,14 @@ struct Effort {
 }
 
 impl Effort {
-    const DRAFT: Self = Self { rounds: 1..=1, spared: 1.0, enough: ENOUGH, missed: ENOUGH };
-    const PLAN: Self = Self { rounds: 3..=5, spared: 0.005, enough: ENOUGH, missed: 0.0 };
+    const DRAFT: Self = Self { sampling: Sampling::coarse, chord_share: 0.3, rounds: 1..=1, spared: 1.0, enough: ENOUGH, missed: ENOUGH };
+    const PLAN: Self =
+        Self { sampling: Sampling::fine, chord_share: CHORD_SHARE, rounds: 3..=5, spared: 0.005, enough: ENOUGH, missed: 0.0 };
     /// For a plan that does not keep the scallop height where it was not spaced.
-    const AGAIN: Self = Self { rounds: 2..=4, spared: 0.02, enough: UNSEEN_ENOUGH, missed: 0.0 };
+    const AGAIN: Self = Self { rounds: 2..=4, spared: 0.02, enough: UNSEEN_ENOUGH, ..Self::PLAN };
 }
 
-/// The samples of a path's lines: the most, some sixteen seconds on two threads, and those from which on the path is long.
+/// The samples of a path's lines: the most, twelve to twenty-four seconds on two threads, and those from which on the path is long.
 const MOST_SAMPLES: usize = 6_000_000;
 const LONG: usize = 300_000;
 
@@ -135,8 +138,7 @@ impl Planner<'_> {
         let Self { workpiece, prepared, settings, stations, .. } = *self;
         let spread = Spread::new(workpiece, stations, prepared, &family, settings.scallop_height.mm());
         let allowed = Allowed::of(&spread, &prepared.candidate, settings.left_out_share);
-        let coarse = Sampling::coarse(&prepared.profile, DRAFT_CHORD_SHARE * settings.scallop_height.mm());
-        let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, coarse, &Effort::DRAFT, None)?;
+        let Spaced { plan, allowed, next } = self.spaced(stations, family, &spread, allowed, &Effort::DRAFT, None)?;
         let lines = next.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?.len();
         let before = plan.lines.at.len();
         let keeps_lines = plan.finish.far_over_share <= ENOUGH && lines >= before;
@@ -152,15 +154,14 @@ impl Planner<'_> {
     /// spaced again, it is measured on further stations.
     pub(super) fn finished(&self, draft: Draft) -> Result<MilledPlan, NoPlan> {
         let Draft { family, spread, allowed, .. } = draft;
-        let fine = Sampling::fine(&self.prepared.profile, CHORD_SHARE * self.settings.scallop_height.mm());
-        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, fine, &Effort::PLAN, None)?;
+        let Spaced { plan, allowed, .. } = self.spaced(self.stations, family, &spread, allowed, &Effort::PLAN, None)?;
         let unseen = (self.further)(Set::Unseen, None);
         let mut plan = self.measured(&unseen, plan)?;
         let is_kept = plan.finish.far_over_share <= UNSEEN_ENOUGH;
         let mut seen: Vec<Station> = self.stations.iter().chain(&unseen).copied().collect();
         if !is_kept {
             seen.extend(self.near_high_places(&plan, &unseen));
-            plan = self.spaced(&seen, family, &spread, allowed, fine, &Effort::AGAIN, Some(plan))?.plan;
+            plan = self.spaced(&seen, family, &spread, allowed, &Effort::AGAIN, Some(plan))?.plan;
         }
         if let Some(thinner) = self.thinned(&plan, &seen)? {
             let last = (self.further)(Set::Last, None);
@@ -212,12 +213,12 @@ impl Planner<'_> {
         family: Family,
         spread: &Spread,
         mut allowed: Allowed,
-        sampling: Sampling,
         effort: &Effort,
         mut first: Option<MilledPlan>,
     ) -> Result<Spaced, NoPlan> {
-        let Self { settings, stop, .. } = *self;
+        let Self { prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
+        let sampling = (effort.sampling)(&prepared.profile, effort.chord_share * height);
         let maker = self.line_maker(&family, spread, sampling);
         let mut best: Option<Spaced> = None;
         for round in 1..=*effort.rounds.end() {

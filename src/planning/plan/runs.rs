@@ -78,7 +78,7 @@ pub(super) fn target_under(workpiece: &Workpiece, prepared: &Prepared, axis: [f6
     workpiece.finished_by(touch)
 }
 
-/// The most tips of a path: of some 200 m on a curved part. It bounds the memory of a plan, some 200 MB.
+/// The most tips of a path: of some 500 m on a curved part. It bounds the memory of a plan, some 400 MB.
 pub(super) const MOST_TIPS: usize = 800_000;
 
 /// The width in mm to which the end of a run is narrowed down.

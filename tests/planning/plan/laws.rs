@@ -147,3 +147,12 @@ fn no_direction_in_the_list_is_faster_than_the_plan() {
         assert_eq!(own, plan.time);
     }
 }
+
+/// The places on which lines are spaced are farther apart here than the cutter is wide: where the lines end must not depend on them.
+#[test]
+fn lines_reach_the_border_of_a_part_that_is_large_beside_the_cutter() {
+    let ball = [CandidateCutter::new(Cutter::ball_end(mm(2.0)))];
+    let finish = milled(&ranked(&rectangle(200.0, 133.0, 10.0, 1), &ball, &in_direction(Model::Envelope, 0.0)).plans[0]).finish;
+    println!("{finish:?}");
+    assert!(finish.far_over_share < 0.003 && finish.max.mm() < 0.02, "{finish:?}");
+}
