@@ -349,3 +349,18 @@ fn shape_code(error: ShapeError) -> RequestFault {
         ShapeError::CoordinateOutOfRange => RequestFault::OutOfRange,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_warning_says_why_a_path_is_left_out() {
+        let mut warnings = Vec::new();
+        assert!(fits("program", 500_000, MOST_PROGRAM_POINTS, &mut warnings) && warnings.is_empty());
+        assert!(!fits("passes", 500_000, MOST_PASS_POINTS, &mut warnings) && !fits("program", 0, MOST_PROGRAM_POINTS, &mut warnings));
+        let warnings = serde_json::to_value(&warnings).unwrap();
+        assert_eq!(warnings[0]["detail"], "passes left out: the path has 500000 points, over 400000");
+        assert_eq!(warnings[1]["detail"], "program left out: the first candidate's path is too long to be milled");
+    }
+}

@@ -50,9 +50,10 @@ impl Effort {
 const MOST_SAMPLES: usize = 6_000_000;
 const LONG: usize = 300_000;
 
-/// The samples of all candidates, some thirty seconds on two threads, beyond which no candidate is planned, and beyond which no further
-/// round of lines is made.
+/// The samples of all candidates, some thirty seconds on two threads, beyond which no candidate is planned.
 pub(super) const MOST_OF_ALL: usize = 8_000_000;
+
+/// Those beyond which no further round of lines is made.
 const MOST_OF_ROUNDS: usize = 10_000_000;
 
 /// A plan keeps the scallop height where this share of the area, at most, is far over it: of two that do, the faster one is taken.
@@ -161,7 +162,8 @@ impl Planner<'_> {
         let mut seen: Vec<Station> = self.stations.iter().chain(&unseen).copied().collect();
         if !is_kept {
             seen.extend(self.near_high_places(&plan, &unseen));
-            plan = self.spaced(&seen, family, &spread, allowed, &Effort::AGAIN, Some(plan))?.plan;
+            let of_lines = plan.runs.into_iter().filter(|run| run.line.is_some()).collect();
+            plan = self.spaced(&seen, family, &spread, allowed, &Effort::AGAIN, Some(of_lines))?.plan;
         }
         if let Some(thinner) = self.thinned(&plan, &seen)? {
             let last = (self.further)(Set::Last, None);
@@ -205,8 +207,8 @@ impl Planner<'_> {
         near
     }
 
-    /// The best of some rounds, the first of them with the lines of the plan `first` if there is one. In each round lines move to the
-    /// spacings that the round before allows.
+    /// The best of some rounds. In each round lines move to the spacings that the round before allows. The runs of the first round's lines
+    /// may be known.
     fn spaced(
         &self,
         stations: &[Station],
@@ -214,7 +216,7 @@ impl Planner<'_> {
         spread: &Spread,
         mut allowed: Allowed,
         effort: &Effort,
-        mut first: Option<MilledPlan>,
+        mut known: Option<Vec<Run>>,
     ) -> Result<Spaced, NoPlan> {
         let Self { prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
@@ -224,18 +226,14 @@ impl Planner<'_> {
         for round in 1..=*effort.rounds.end() {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
             let of_round = maker.samples(&lines);
-            let plan = if let Some(MilledPlan { lines, runs, order, tour, .. }) = first.take() {
-                self.judged_tour(stations, family, lines, runs, order, tour)?
-            } else {
-                let runs = maker.runs(&lines, self.samples)?;
-                if stop() {
-                    return Err(NoPlan::Stopped);
-                }
-                if runs.is_empty() {
-                    return Err(NoPlan::NoRuns);
-                }
-                self.judged_plan(stations, family, CutLines::whole(lines.clone()), runs, Order::ByLines)?
-            };
+            let runs = known.take().map_or_else(|| maker.runs(&lines, self.samples), Ok)?;
+            if stop() {
+                return Err(NoPlan::Stopped);
+            }
+            if runs.is_empty() {
+                return Err(NoPlan::NoRuns);
+            }
+            let plan = self.judged_plan(stations, family, CutLines::whole(lines.clone()), runs, Order::ByLines)?;
             let plan = self.with_missed_places(stations, plan, effort.missed)?;
             // Where a few rounds do not keep the scallop height, places between the stations are the reason.
             let margin = if round <= *effort.rounds.start() { 0.995 } else { 0.97 };
