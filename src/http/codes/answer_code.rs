@@ -33,7 +33,7 @@ codes! {
         FlutesTooShort = "flutes-too-short": "The flutes are shorter than the surface is deep", "Check the clearance of shank and holder.";
         OtherTools = "other-tools": "Some tools of a library are not finishing cutters", "None is needed. The detail counts them by type; it also counts tool files that no .fctl list names.";
         FaultyTools = "faulty-tools": "Finishing cutters of a library cannot be used", "Correct the tools that not_ranked names with faulty-tool; one of them may be the fastest.";
-        PassesLeftOut = "passes-left-out": "The path has too many points for the passes or the program in an answer", "Ask for the program alone, which may have more points; select a part of the surface, or allow more height.";
+        PassesLeftOut = "passes-left-out": "The path is too long for the passes or the program in an answer", "Ask for the program alone, which may have more points; select a part of the surface, or allow more height.";
         SpindleSpeedLimited = "spindle-speed-limited": "A spindle speed is over the machine's largest, which is used instead", "Check the speed and the feed that follows from it.";
         MemberUnused = "member-unused": "A member of the request has no effect", "Do what the detail says, or leave the member out.";
         FigureAbsent = "figure-absent": "A figure is null for contacts that have an answer", "Do what the detail says, or read the null as absent.";

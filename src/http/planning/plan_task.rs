@@ -29,7 +29,7 @@ const MOST_PROGRAM_POINTS: usize = 1_000_000;
 fn fits(name: &str, points: usize, most: usize, warnings: &mut Vec<Warning>) -> bool {
     let reason = match points {
         0 => "the first candidate's path is too long to be milled".to_owned(),
-        _ if points > most => format!("the path has {points} points, over {most}"),
+        _ if points > most => format!("the path has {points} points, more than {most}"),
         _ => return true,
     };
     warnings.push(Warning::new(WarningCode::PassesLeftOut, format!("{name} left out: {reason}")));
@@ -360,7 +360,7 @@ mod tests {
         assert!(fits("program", 500_000, MOST_PROGRAM_POINTS, &mut warnings) && warnings.is_empty());
         assert!(!fits("passes", 500_000, MOST_PASS_POINTS, &mut warnings) && !fits("program", 0, MOST_PROGRAM_POINTS, &mut warnings));
         let warnings = serde_json::to_value(&warnings).unwrap();
-        assert_eq!(warnings[0]["detail"], "passes left out: the path has 500000 points, over 400000");
+        assert_eq!(warnings[0]["detail"], "passes left out: the path has 500000 points, more than 400000");
         assert_eq!(warnings[1]["detail"], "program left out: the first candidate's path is too long to be milled");
     }
 }

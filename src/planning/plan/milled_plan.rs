@@ -25,6 +25,7 @@ pub(super) const CHORD_SHARE: f64 = 0.1;
 /// How closely tips are sampled, and how long the lines of a plan are moved.
 #[derive(Debug, Clone)]
 struct Effort {
+    /// The sampling of tips for a cutter and a chord tolerance in mm.
     sampling: fn(&Profile, f64) -> Sampling,
     /// The share of the scallop height by which chords between tips may differ from the tips' surface.
     chord_share: f64,
@@ -50,10 +51,10 @@ impl Effort {
 const MOST_SAMPLES: usize = 6_000_000;
 const LONG: usize = 300_000;
 
-/// The samples of all candidates, some thirty seconds on two threads, beyond which no candidate is planned.
+/// The samples of all candidates beyond which no candidate is planned: some thirty seconds on two threads.
 pub(super) const MOST_OF_ALL: usize = 8_000_000;
 
-/// Those beyond which no further round of lines is made.
+/// The samples of all candidates beyond which no further round of lines is made.
 const MOST_OF_ROUNDS: usize = 10_000_000;
 
 /// A plan keeps the scallop height where this share of the area, at most, is far over it: of two that do, the faster one is taken.
@@ -226,7 +227,14 @@ impl Planner<'_> {
         for round in 1..=*effort.rounds.end() {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
             let of_round = maker.samples(&lines);
-            let runs = known.take().map_or_else(|| maker.runs(&lines, self.samples), Ok)?;
+            let runs = match known.take() {
+                Some(runs) => runs,
+                None if of_round > MOST_SAMPLES => return Err(NoPlan::TooLong),
+                None => {
+                    self.samples.set(self.samples.get() + of_round);
+                    maker.runs(&lines).ok_or(NoPlan::TooLong)?
+                }
+            };
             if stop() {
                 return Err(NoPlan::Stopped);
             }
@@ -278,7 +286,7 @@ impl Planner<'_> {
             return Ok(plan);
         }
         let MilledPlan { family, lines, mut runs, order, tour, .. } = plan;
-        // Paths of long plans take many megabytes.
+        // The path takes tens of megabytes on a large part, and the next one as much.
         drop(tour);
         runs.extend(further);
         self.judged_plan(stations, family, lines, runs, order)
@@ -375,18 +383,12 @@ impl LineMaker<'_> {
         }
     }
 
-    /// The runs of lines, whose samples are added to `samples`.
-    fn runs(&self, lines: &[f64], samples: &Cell<usize>) -> Result<Vec<Run>, NoPlan> {
-        let of_lines = self.samples(lines);
-        if of_lines > MOST_SAMPLES {
-            return Err(NoPlan::TooLong);
-        }
-        samples.set(samples.get() + of_lines);
-        let runs = match self {
+    /// The runs of lines; `None` if they have too many tips.
+    fn runs(&self, lines: &[f64]) -> Option<Vec<Run>> {
+        match self {
             Self::Planes(maker) => maker.runs(lines),
             Self::Levels(maker) => maker.runs(lines),
-        };
-        runs.ok_or(NoPlan::TooLong)
+        }
     }
 }
 
