@@ -132,15 +132,16 @@ fn side_gouges(steepest: SurfaceCurvature, outer: f64) -> bool {
 }
 
 impl OnConcave {
-    /// Whether the cutter cuts into the surface anywhere with a share of its curvature with which lambda >= 0.
+    /// Whether the cutter cuts into the surface anywhere with a share of its curvature with which lambda >= 0. The sphere of a ball tip
+    /// that touches the surface then fits as a whole.
     fn is_cut(&self, share: f64) -> bool {
-        let is_ball = self.profile.arcs().len() == 1 && self.touching.centre_offset == 0.0;
-        if is_ball || share <= self.fits_certainly {
+        if share <= self.fits_certainly {
             return false;
         }
         let surface = self.surface.scaled(share);
-        let [outwards, upwards] = [self.touching.point_at(self.sin, self.cos).0, self.touching.point_at(self.sin, self.cos).1];
-        self.profile.cutting_arcs().iter().any(|arc| {
+        let (outwards, upwards) = self.touching.point_at(self.sin, self.cos);
+        let is_touching_ball = |arc: &ProfileArc| *arc == self.touching && arc.centre_offset == 0.0;
+        self.profile.cutting_arcs().iter().filter(|arc| !is_touching_ball(arc)).any(|arc| {
             let (same_out, same_up) = arc.point_at(self.sin, self.cos);
             let offset = if *arc == self.touching { [0.0; 2] } else { [outwards - same_out, same_up - upwards] };
             let (core, corner) = (arc.centre_offset, arc.radius);
