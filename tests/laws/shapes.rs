@@ -50,6 +50,24 @@ fn shapes() -> impl Strategy<Value = Cutter> {
 }
 
 proptest! {
+    /// Level and nearly level hollows are the commonest contacts of a floor whose curvature is measured.
+    #[test]
+    fn in_nearly_level_hollows_a_tapered_ball_leaves_what_its_ball_leaves(
+        ball in 0.5..10.0_f64, taper in 1.0..30.0_f64, (exponent, alpha) in (-9.0..0.0_f64, -90.0..90.0_f64),
+        [along, across] in [-0.02..0.0_f64, -0.02..0.02_f64], (share, marks) in (0.005..0.2_f64, 0.005..0.2_f64),
+    ) {
+        let surface = SurfaceCurvature::from_components_per_mm(along / ball, across / ball, 0.0).unwrap();
+        let contact = Contact::from_degrees(10.0_f64.powf(exponent), alpha).unwrap();
+        let height = |cutter: Cutter| {
+            let pass = Pass { cutter, contact, surface, runout: Runout::NONE, teeth: None };
+            // To second order: marks with normals of their own are those of a tapered ball alone.
+            let envelope = Envelope::new(pass).unwrap().without_turns();
+            envelope.scallop_height(mm(share * ball), Some(mm(marks * ball))).unwrap().total().mm()
+        };
+        let [of_ball, of_tapered] = [Cutter::ball_end(mm(ball)), Cutter::tapered_ball(mm(ball), degrees(taper), mm(2.0 * ball)).unwrap()].map(height);
+        approx::assert_relative_eq!(of_tapered, of_ball, epsilon = 1e-11 * ball, max_relative = 1e-9);
+    }
+
     /// On planes the distance from the body is convex, which makes the search sure for any convex body.
     #[test]
     fn heights_of_every_shape_grow_with_step_over_and_feed_and_have_inverses(

@@ -223,10 +223,13 @@ impl FeedTable {
 fn tabulated(inputs: &SpacingInputs) -> (Law, FeedLaw) {
     let SpacingInputs { cutter, height, model, feeds, feed_rate, is_needed } = *inputs;
     let diameter = 2.0 * cutter.outer_radius().mm();
+    // What is steeper than the cone at its end touches the edge above it, which is as sharp as a flat end's.
+    let (steepest, edge) = (cutter.profile().steepest_cut().to_degrees(), Cutter::flat_end(Length::computed(diameter)));
     let limit = feeds.map(|range| range.largest);
     let row_of = |(row, &sin): (usize, &f64)| -> Vec<([f64; 2], f64)> {
         // A contact on a wall has no alpha, so the last row is slightly less steep.
         let slope = sin.asin().to_degrees().min(89.9);
+        let cutter = if slope > steepest { edge } else { cutter };
         let node = |column: usize| {
             #[expect(clippy::cast_precision_loss, reason = "under 25")]
             let alpha = (column as f64 / COLUMNS as f64).acos().to_degrees();
