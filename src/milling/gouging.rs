@@ -236,15 +236,35 @@ impl Footprint {
             return true;
         }
         let last = usize::from(AROUND) - 1;
-        // All rows of a sharp edge are the same.
+        // All rows of a sharp edge are the same, and all points of the first row of a ball tip.
         let lowest_row = if self.corner > 0.0 { usize::from(DOWN) } else { 0 };
+        let is_tip = self.core == 0.0 && self.range[0] == 0.0;
         (0..=last).any(|i| {
             (0..=lowest_row).any(|j| {
                 let (before, after) = (if i == 0 { last } else { i - 1 }, if i == last { 0 } else { i + 1 });
                 let least = heights[before][j].min(heights[after][j]).min(heights[i][j.saturating_sub(1)]);
                 let least = least.min(heights[i][(j + 1).min(usize::from(DOWN))]);
-                heights[i][j] <= least && self.lowest_near((step.0 * i as f64, self.range[0] + step.1 * j as f64), step) < rounding
+                let start = (step.0 * i as f64, self.range[0] + step.1 * j as f64);
+                let lowest = || if is_tip { self.lowest_on_tip(start, step.1) } else { self.lowest_near(start, step) };
+                heights[i][j] <= least && !(is_tip && i > 0 && j == 0) && lowest() < rounding
             })
+        })
+    }
+
+    /// The least H that a descent from a grid point of a ball tip finds: in the plane of beta (cos psi, sin psi), in which the lowest
+    /// point is a point like all others. Away from that point Newton's method may end it.
+    fn lowest_on_tip(&self, (psi, beta): (f64, f64), step: f64) -> f64 {
+        let end = self.range[1];
+        let at = |[x, y]: [f64; 2]| self.height(y.atan2(x).sin_cos(), x.hypot(y).sin_cos());
+        let inside = |[x, y]: [f64; 2]| {
+            let beyond = (x.hypot(y) / end).max(1.0);
+            [x / beyond, y / beyond]
+        };
+        Descent::new([beta * psi.cos(), beta * psi.sin()], [step, step], at).lowest(inside, |descent| {
+            let ([x, y], [step, _]) = (descent.place, descent.steps);
+            let beta = x.hypot(y);
+            let is_fine = descent.halvings > 1 && beta > 4.0 * step;
+            if is_fine { self.lowest_by_newton((y.atan2(x), beta), (step / beta, step)) } else { None }
         })
     }
 
@@ -305,38 +325,59 @@ impl Footprint {
         )
     }
 
-    /// The least H that a descent from a grid point finds. It moves to a lower neighbour, and halves its steps if none is lower.
-    /// From the second halving on Newton's method may end it.
-    fn lowest_near(&self, (mut psi, mut beta): (f64, f64), (mut psi_step, mut beta_step): (f64, f64)) -> f64 {
-        let at = |psi: f64, beta: f64| self.height(psi.sin_cos(), beta.sin_cos());
-        let mut lowest = at(psi, beta);
-        // 2^-24 of the first steps is 1e-8 rad, at which H differs from its minimum by 1e-16 of the cutter's radius.
-        let mut halvings = 0;
-        while halvings < 24 {
-            let before = lowest;
-            for (towards_psi, towards_beta) in
-                [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
-            {
-                let next = (psi + towards_psi * psi_step, (beta + towards_beta * beta_step).clamp(self.range[0], self.range[1]));
-                let height = at(next.0, next.1);
-                if height < lowest {
-                    (lowest, psi, beta) = (height, next.0, next.1);
-                    break;
-                }
+    /// The least H that a descent from a grid point finds in both angles. From the second halving on Newton's method may end it.
+    fn lowest_near(&self, start: (f64, f64), step: (f64, f64)) -> f64 {
+        let at = |[psi, beta]: [f64; 2]| self.height(psi.sin_cos(), beta.sin_cos());
+        let inside = |[psi, beta]: [f64; 2]| [psi, beta.clamp(self.range[0], self.range[1])];
+        Descent::new([start.0, start.1], [step.0, step.1], at).lowest(inside, |descent| {
+            let ([psi, beta], [psi_step, beta_step]) = (descent.place, descent.steps);
+            // Beside the floor's rim H can have two minima within the slope.
+            let is_fine = descent.halvings > 1 && (beta_step < 0.25 * self.sin || self.corner == 0.0);
+            if is_fine { self.lowest_by_newton((psi, beta), (psi_step, beta_step)) } else { None }
+        })
+    }
+}
+
+/// The halvings after which a descent ends: 2^-24 of the first steps is 1e-8 rad, at which H differs from its minimum by 1e-16 of the
+/// cutter's radius.
+const MOST_HALVINGS: u32 = 24;
+
+/// A descent on a function of two coordinates. It moves to a lower neighbour, and halves its steps if none is lower.
+struct Descent<F> {
+    at: F,
+    place: [f64; 2],
+    steps: [f64; 2],
+    lowest: f64,
+    halvings: u32,
+}
+
+impl<F: Fn([f64; 2]) -> f64> Descent<F> {
+    fn new(place: [f64; 2], steps: [f64; 2], at: F) -> Self {
+        let lowest = at(place);
+        Self { at, place, steps, lowest, halvings: 0 }
+    }
+
+    /// The least value found. `inside` brings a place back into the domain; after each halving `sooner` may end the descent with the
+    /// minimum.
+    fn lowest(mut self, inside: impl Fn([f64; 2]) -> [f64; 2], sooner: impl Fn(&Self) -> Option<f64>) -> f64 {
+        const NEIGHBOURS: [[f64; 2]; 8] =
+            [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        while self.halvings < MOST_HALVINGS {
+            let neighbours = NEIGHBOURS.iter().map(|towards| {
+                let place = inside([0, 1].map(|axis| self.place[axis] + towards[axis] * self.steps[axis]));
+                (place, (self.at)(place))
+            });
+            if let Some((place, height)) = neighbours.into_iter().find(|(_, height)| *height < self.lowest) {
+                (self.place, self.lowest) = (place, height);
+                continue;
             }
-            if lowest >= before {
-                (psi_step, beta_step) = (psi_step / 2.0, beta_step / 2.0);
-                halvings += 1;
-                // Beside the floor's rim H can have two minima within the slope.
-                if halvings > 1
-                    && (beta_step < 0.25 * self.sin || self.corner == 0.0)
-                    && let Some(least) = self.lowest_by_newton((psi, beta), (psi_step, beta_step))
-                {
-                    return least.min(lowest);
-                }
+            self.steps = self.steps.map(|step| step / 2.0);
+            self.halvings += 1;
+            if let Some(least) = sooner(&self) {
+                return least.min(self.lowest);
             }
         }
-        lowest
+        self.lowest
     }
 }
 

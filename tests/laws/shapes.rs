@@ -2,7 +2,7 @@
 
 use crate::laws::passes::mm;
 use proptest::prelude::*;
-use scallopd::milling::{Contact, Cutter, Envelope, EvaluatedPass, Model, Pass, ProfileArc, Runout, SurfaceCurvature};
+use scallopd::milling::{Contact, Cutter, Envelope, EvaluatedPass, Model, NoAnswer, Pass, ProfileArc, Runout, SurfaceCurvature};
 use scallopd::quantity::Angle;
 use std::f64::consts::FRAC_PI_2;
 
@@ -119,6 +119,59 @@ proptest! {
         }
     }
 
+}
+
+/// The least height of the lower body over the surface at points all over it, in radii of the cutter: the arcs, and the flat and the
+/// cones between them, up to the end of the last arc that is no corner. The feed runs along the steepest line.
+fn least_height_over(cutter: Cutter, slope: f64, surface: SurfaceCurvature) -> f64 {
+    let profile = cutter.profile();
+    let arcs: Vec<ProfileArc> = profile.arcs().to_vec();
+    let touching = arcs.iter().rev().find(|arc| slope >= arc.from).unwrap().point(slope);
+    let is_closing = |index: usize| index > 0 && index + 1 == arcs.len() && arcs[index].radius == 0.0;
+    let of_arc = |arc: &ProfileArc| (0..=60).map(|step| arc.point(arc.from + (arc.to - arc.from) * f64::from(step) / 60.0)).collect();
+    let mut outline: Vec<(f64, f64)> = vec![(0.0, 0.0)];
+    for (_, arc) in arcs.iter().enumerate().filter(|(index, _)| !is_closing(*index)) {
+        let of_arc: Vec<(f64, f64)> = of_arc(arc);
+        let (from, to) = (outline[outline.len() - 1], of_arc[0]);
+        outline.extend(
+            (1..30).map(|step| f64::from(step) / 30.0).map(|share| (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1))),
+        );
+        outline.extend(of_arc);
+    }
+    let height = |(offset, height): (f64, f64), azimuth: f64| {
+        let (out, level, up) = (touching.0 - offset * azimuth.cos(), offset * azimuth.sin(), height - touching.1);
+        let (normal, steep) = (out * slope.sin() + up * slope.cos(), up * slope.sin() - out * slope.cos());
+        let bend =
+            surface.along_per_mm() * steep * steep + 2.0 * surface.twist_per_mm() * steep * level + surface.across_per_mm() * level * level;
+        normal + bend / 2.0
+    };
+    let around = (0..240).map(|step| f64::from(step) * std::f64::consts::TAU / 240.0);
+    let least = around
+        .map(|azimuth| outline.iter().map(|point| height(*point, azimuth)).fold(f64::INFINITY, f64::min))
+        .fold(f64::INFINITY, f64::min);
+    least / cutter.outer_radius().mm()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+
+    /// A cutter that fits is nowhere under the surface. One that does not is under the surface that is twice as curved, and deeper
+    /// there than rounding.
+    #[test]
+    fn a_shape_fits_where_no_point_of_it_is_under_the_surface(
+        cutter in shapes(), share in prop_oneof![0.0..0.01_f64, 0.0..1.0_f64], (along, across, twist) in (-1.0..0.3_f64, -1.0..1.0_f64, -0.5..0.5_f64), size in -3.0..0.5_f64,
+    ) {
+        let slope = degrees(0.01 + 84.0 * share);
+        let per_radius = 10.0_f64.powf(size) / cutter.outer_radius().mm();
+        let curved = |factor: f64| SurfaceCurvature::from_components_per_mm(along * factor * per_radius, across * factor * per_radius, twist * factor * per_radius).unwrap();
+        let contact = Contact::from_degrees(slope.degrees(), 0.0).unwrap();
+        let pass = Pass { cutter, contact, surface: curved(1.0), runout: Runout::NONE, teeth: None };
+        match Envelope::new(pass) {
+            Ok(_) => prop_assert!(least_height_over(cutter, slope.radians(), curved(1.0)) > -1e-9),
+            Err(NoAnswer::Gouges { .. }) => prop_assert!(least_height_over(cutter, slope.radians(), curved(2.0)) < -1e-9),
+            Err(other) => prop_assert!(matches!(other, NoAnswer::TooSteep { .. }), "{other}"),
+        }
+    }
 }
 
 proptest! {
