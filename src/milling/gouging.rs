@@ -225,7 +225,7 @@ impl Footprint {
     }
 
     /// Whether H is negative anywhere, by more than the rounding of its terms.
-    #[expect(clippy::cast_precision_loss, reason = "at most 32")]
+    #[expect(clippy::cast_precision_loss, reason = "at most 64")]
     fn is_cut(&self, outer_radius: f64) -> bool {
         let rounding = -1e-12 * outer_radius;
         let step = (std::f64::consts::TAU / f64::from(AROUND), (self.range[1] - self.range[0]) / f64::from(DOWN));
