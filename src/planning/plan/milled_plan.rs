@@ -51,6 +51,9 @@ impl Effort {
 const MOST_SAMPLES: usize = 6_000_000;
 const LONG: usize = 300_000;
 
+/// The samples of lines that take as long as a tip of level curves.
+const SAMPLES_OF_TIP: usize = 20;
+
 /// The samples of all candidates beyond which no candidate is planned: some thirty seconds on two threads.
 pub(super) const MOST_OF_ALL: usize = 8_000_000;
 
@@ -226,13 +229,17 @@ impl Planner<'_> {
         let mut best: Option<Spaced> = None;
         for round in 1..=*effort.rounds.end() {
             let lines = allowed.lines(spread.range, MOST_LINES).ok_or(NoPlan::NoLines)?;
-            let of_round = maker.samples(&lines);
+            let mut of_round = maker.samples(&lines);
             let runs = match known.take() {
                 Some(runs) => runs,
                 None if of_round > MOST_SAMPLES => return Err(NoPlan::TooLong),
                 None => {
                     self.samples.set(self.samples.get() + of_round);
-                    maker.runs(&lines).ok_or(NoPlan::TooLong)?
+                    let runs = maker.runs(&lines).ok_or(NoPlan::TooLong)?;
+                    let of_tips = maker.samples_of_tips(&runs);
+                    self.samples.set(self.samples.get() + of_tips);
+                    of_round += of_tips;
+                    runs
                 }
             };
             if stop() {
@@ -375,11 +382,19 @@ enum LineMaker<'a> {
 }
 
 impl LineMaker<'_> {
-    /// About how many samples lines take; level curves take none.
+    /// About how many samples lines take; what level curves take is known from their tips alone.
     fn samples(&self, lines: &[f64]) -> usize {
         match self {
             Self::Planes(maker) => maker.samples(lines),
             Self::Levels(_) => 0,
+        }
+    }
+
+    /// The samples that take as long as the tips of level curves.
+    fn samples_of_tips(&self, runs: &[Run]) -> usize {
+        match self {
+            Self::Planes(_) => 0,
+            Self::Levels(_) => SAMPLES_OF_TIP * runs.iter().map(|run| run.tips.len()).sum::<usize>(),
         }
     }
 
