@@ -195,7 +195,8 @@ struct Footprint {
 }
 
 /// The numbers of grid points of the search around the axis and down the round. H is a trigonometric polynomial of the
-/// second degree in both angles, with few extrema. Half as many points miss one of them at one of 75 000 random contacts.
+/// second degree in both angles, with few extrema. With half as many points in each angle, one of 75 000 random contacts counts as one
+/// that fits although it does not.
 const AROUND: u8 = 64;
 const DOWN: u8 = 16;
 

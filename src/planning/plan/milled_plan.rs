@@ -51,7 +51,7 @@ impl Effort {
 const MOST_SAMPLES: usize = 6_000_000;
 const LONG: usize = 300_000;
 
-/// The samples of lines that take as long as a tip of level curves.
+/// A tip of level curves takes as long as this many samples of lines.
 const SAMPLES_OF_TIP: usize = 20;
 
 /// The samples of all candidates beyond which no candidate is planned: some thirty seconds on two threads.
@@ -390,7 +390,7 @@ impl LineMaker<'_> {
         }
     }
 
-    /// The samples that take as long as the tips of level curves.
+    /// The samples that the tips of level curves count as; those of planes are counted before.
     fn samples_of_tips(&self, runs: &[Run]) -> usize {
         match self {
             Self::Planes(_) => 0,
