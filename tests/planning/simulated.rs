@@ -106,12 +106,12 @@ async fn map_and_passes_are_included_on_request() {
 async fn a_plan_is_written_as_a_program_that_the_service_reads() {
     let app = TestApp::start().await;
     let cutter = json!({"name": "B8", "type": "ball_end", "diameter_mm": 8, "teeth": 2, "spindle_speed_rpm": 9000});
-    let asked = json!({"cutters": [cutter], "include": ["passes", "program"], "max_uncut_share": 1, "program": {"unit": "inch", "number_lines": true, "decimals": 6, "header": ["(part 7)"], "footer": ["G28"], "tool": 12, "coolant": true}});
+    let asked = json!({"cutters": [cutter], "include": ["passes", "program"], "max_uncut_share": 1, "program": {"unit": "inch", "number_lines": true, "decimals": 6, "header": ["(part 7)"], "footer": ["G28"], "tool": 12, "coolant": true, "tool_length_offset": true}});
     let answer = app.recommend(&with(with(simulated(), grid()), asked)).await.ok();
     let text = answer["program"]["text"].as_str().unwrap();
     let begin: Vec<&str> = text.lines().take(6).collect();
     assert_eq!(begin, ["%", "N10 (part 7)", "N20 G17 G20 G90 G94", "N30 (B8)", "N40 T12 M6", "N50 S9000 M3"]);
-    assert!(text.contains(" M8\n") && text.contains(" G28\n"), "{text}");
+    assert!(text.contains(" M8\n") && text.contains(" G28\n") && text.contains(" G43 H12 Z"), "{text}");
     let job = json!({"cutter": {"type": "ball_end", "diameter_mm": 8}, "scallop_height_mm": 0.01, "machine": {"preset": "five_axis_vmc"}});
     let of_program = with(with(job.clone(), grid()), json!({"path": {"program": text.replace(" G28\n", " M9\n")}}));
     let passes = &answer["passes"];

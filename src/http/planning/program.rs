@@ -14,6 +14,7 @@ use utoipa::openapi::schema::{ObjectBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// How a program is written.
+#[expect(clippy::struct_excessive_bools, reason = "each switches words of its own")]
 #[derive(Debug, Clone, Default)]
 pub(super) struct ProgramOptions {
     inches: bool,
@@ -24,6 +25,7 @@ pub(super) struct ProgramOptions {
     tool: Option<u32>,
     spindle_speed: Option<SpindleSpeed>,
     coolant: bool,
+    length_offset: bool,
 }
 
 members! {
@@ -37,14 +39,16 @@ members! {
         footer: optional FOOTER: List<Line> = ("footer", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks before M5 and M30"),
         tool: optional TOOL: Whole = ("tool", Whole { minimum: 0, maximum: 999_999, example: 3 }, "the number of the first tool call; further cutters of a plan of several operations follow; absent = 1"),
         spindle_speed: optional PROGRAM_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
-            "the spindle speed of the program; absent = the cutter's, at most the machine's"),
+            "the spindle speed of the program; absent = the cutter's, at most the machine's; if neither is stated, the program has no S and no M3"),
         coolant: optional COOLANT: Flag = ("coolant", Flag, "whether coolant is on, M8; absent = false"),
+        length_offset: optional LENGTH_OFFSET: Flag = ("tool_length_offset", Flag,
+            "whether the first Z after each tool call has G43 H with the tool's number; absent = false, for controls whose tool call sets the length. Without either a control moves the spindle's nose to where the tip should be"),
     }
 }
 
 impl ProgramOptionMembers {
     fn build(self, _: &JsonPath<'_>, _: &mut Faults) -> Result<ProgramOptions, Faulted> {
-        let Self { unit, number_lines, decimals, header, footer, tool, spindle_speed, coolant } = self;
+        let Self { unit, number_lines, decimals, header, footer, tool, spindle_speed, coolant, length_offset } = self;
         Ok(ProgramOptions {
             inches: unit?.unwrap_or_default(),
             number_lines: number_lines?.unwrap_or_default(),
@@ -54,6 +58,7 @@ impl ProgramOptionMembers {
             tool: tool?,
             spindle_speed: spindle_speed?,
             coolant: coolant?.unwrap_or_default(),
+            length_offset: length_offset?.unwrap_or_default(),
         })
     }
 }
@@ -126,6 +131,7 @@ impl ProgramAnswer {
             header: &options.header,
             footer: &options.footer,
             coolant: options.coolant,
+            length_offset: options.length_offset,
         };
         let text = write_iso(&operations, &settings).ok()?;
         Some(Self { text, dialect: "iso" })

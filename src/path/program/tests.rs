@@ -234,6 +234,8 @@ fn modal_words_are_not_repeated() {
     let text = write_iso(&[operation], &WriteSettings::default()).unwrap();
     let expected = "%\nG17 G21 G90 G94\nT1 M6\nG0 X0 Y0\nZ10\nX3.3 Y0.25\nG1 Z-1.5 F500\nX7.125 Y2 Z-1.0625\nG0 Z10\nM5\nM30\n%\n";
     assert_eq!(text, expected);
+    let with_offset = write_iso(&[operation], &WriteSettings { length_offset: true, ..WriteSettings::default() }).unwrap();
+    assert_eq!(with_offset, expected.replace("\nZ10\n", "\nG43 H1 Z10\n"));
     let gap = write_iso(&[Operation { moves: &[moves[0], moves[2]], ..operation }], &WriteSettings::default());
     assert_eq!(gap, Err(Gap { operation: 0, index: 1 }));
     let no_feed = write_iso(&[Operation { feed_rates: &[], ..operation }], &WriteSettings::default());
@@ -304,7 +306,7 @@ fn linuxcnc_reads_back_what_is_written() {
     let folder = std::env::temp_dir().join(format!("scallopd-rs274-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let (table, file) = (folder.join("tools.tbl"), folder.join("written.ngc"));
-    std::fs::write(&table, "T3 P3 D6 ;\n").unwrap();
+    std::fs::write(&table, "T3 P3 D6 Z50 ;\n").unwrap();
     let mut random = crate::numerics::random::Random::new(3);
     let mut moves = moves();
     for _ in 0..500 {
@@ -315,12 +317,19 @@ fn linuxcnc_reads_back_what_is_written() {
     let feed_rates: Vec<f64> = moves.iter().map(|_| 10.0 + 5000.0 * random.unit()).collect();
     let operation = Operation { tool: 3, name: Some("ball"), spindle_speed: Some(6000.0), moves: &moves, feed_rates: &feed_rates };
     for inches in [false, true] {
-        let settings =
-            WriteSettings { inches, decimals: if inches { 5 } else { 4 }, number_lines: inches, coolant: true, ..WriteSettings::default() };
+        let settings = WriteSettings {
+            inches,
+            decimals: if inches { 5 } else { 4 },
+            number_lines: inches,
+            coolant: true,
+            length_offset: inches,
+            ..WriteSettings::default()
+        };
         std::fs::write(&file, write_iso(&[operation], &settings).unwrap()).unwrap();
         let interpreter = std::env::var("RS274").unwrap_or_else(|_| "rs274".to_owned());
         let output = std::process::Command::new(interpreter).arg("-g").arg("-t").arg(&table).arg(&file).output().unwrap();
         let text = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(text.contains("USE_TOOL_LENGTH_OFFSET"), inches, "{text}");
         // `16 N..... STRAIGHT_FEED(3.3000, 0.2500, -1.5000, ...)`: canonical commands in mm, to four decimals.
         let scale = if text.contains("USE_LENGTH_UNITS(CANON_UNITS_INCHES)") { 25.4 } else { 1.0 };
         let mut read: Vec<(bool, [f64; 3])> = Vec::new();

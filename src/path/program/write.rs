@@ -25,6 +25,7 @@ pub struct Operation<'a> {
 
 /// How a program is written.
 #[derive(Debug, Clone)]
+#[expect(clippy::struct_excessive_bools, reason = "each switches words of its own")]
 pub struct WriteSettings<'a> {
     /// G20 and inches in place of G21 and mm.
     pub inches: bool,
@@ -38,11 +39,13 @@ pub struct WriteSettings<'a> {
     pub footer: &'a [String],
     /// M8 after each tool call.
     pub coolant: bool,
+    /// G43 H with the tool's number at the first Z after each tool call.
+    pub length_offset: bool,
 }
 
 impl Default for WriteSettings<'_> {
     fn default() -> Self {
-        Self { inches: false, number_lines: false, decimals: 4, header: &[], footer: &[], coolant: false }
+        Self { inches: false, number_lines: false, decimals: 4, header: &[], footer: &[], coolant: false, length_offset: false }
     }
 }
 
@@ -99,7 +102,8 @@ pub fn write_iso(operations: &[Operation<'_>], settings: &WriteSettings<'_>) -> 
         (writer.motion, writer.axes, writer.feed) = ("", none(), String::new());
         let [x, y, z] = first.from.map(|value| writer.coordinate(value));
         writer.block(&format!("G0 X{x} Y{y}"));
-        writer.block(&format!("Z{z}"));
+        let offset = if settings.length_offset { format!("G43 H{} ", operation.tool) } else { String::new() };
+        writer.block(&format!("{offset}Z{z}"));
         (writer.motion, writer.axes) = ("G0", [x, y, z]);
         let mut at = first.from;
         for (index, each) in operation.moves.iter().enumerate() {

@@ -143,6 +143,7 @@ class ProgramOptions(TypedDict, total=False):
     tool: int
     spindle_speed_rpm: float
     coolant: bool
+    tool_length_offset: bool
 
 
 class Operations(TypedDict):
