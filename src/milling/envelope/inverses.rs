@@ -94,7 +94,15 @@ impl Envelope {
             Some(if excess.abs() <= MET { 0.0 } else { excess })
         };
         let is_plane = self.pass.surface.is_plane();
-        let is_right = |length: f64| is_plane || excess(length) == Some(0.0);
+        let is_root = |length: f64| is_plane || excess(length) == Some(0.0);
+        // With runout the height jumps where the deepest tooth's marks only just overlap, and rounding decides whether they do.
+        let may_jump = |Lengths { step_over, feed, .. }: Lengths| {
+            !self.overlap(step_over / JUST_UNDER, self.pattern.marks(feed).pairs()[0].distance / JUST_UNDER)
+        };
+        let is_confirmed = |length: f64| {
+            let is_kept = || excess(length).is_some_and(|excess| excess <= 0.0);
+            is_root(length) && (!is_plane || !may_jump(guess.with(sought, length)) || is_kept())
+        };
         let smallest = guess.with(sought, Length::SMALLEST);
         let least = Lengths { level: self.guess(smallest.step_over, smallest.feed), ..smallest };
         let is_used_up = || self.quickly(&self.body, Sought::Level, least).is_some_and(|ridge| ridge.lengths.level > guess.level);
@@ -105,7 +113,7 @@ impl Envelope {
         }
         for body in self.bodies() {
             let quick = self.quickly(body, sought, guess).map(|ridge| ridge.lengths.get(sought));
-            if let Some(length) = quick.filter(|length| *length <= largest && is_right(*length)) {
+            if let Some(length) = quick.filter(|length| *length <= largest && is_root(*length)) {
                 return Outcome::At(length);
             }
         }
@@ -121,8 +129,8 @@ impl Envelope {
             Some(Outcome::At(length)) if length > largest * JUST_UNDER && excess(largest).is_some_and(|excess| excess <= 0.0) => {
                 return Outcome::Above;
             }
-            Some(outcome) if is_plane => return outcome,
-            Some(Outcome::At(length)) if is_right(length) => return Outcome::At(length),
+            Some(Outcome::At(length)) if is_confirmed(length) => return Outcome::At(length),
+            Some(outcome @ (Outcome::Above | Outcome::Below)) if is_plane => return outcome,
             _ => {}
         }
         // Otherwise the search for the length begins at the one whose height is the nearest to the tolerance.

@@ -48,4 +48,33 @@ proptest! {
             prop_assert!(radius.is_some() && slope < 10.0);
         }
     }
+
+    /// Near a floor the height jumps where the marks of the deepest tooth no longer overlap: any tolerance under the depth of the
+    /// others is within the jump.
+    #[test]
+    fn on_floors_largest_lengths_keep_a_tolerance_within_a_jump(
+        ratio in prop_oneof![Just(0.0), 0.001..0.1_f64],
+        slope in -3.0..0.0_f64,
+        alpha in 0.0..360.0_f64,
+        radial in prop_oneof![Just(0.0), 0.001..0.02_f64],
+        axial in 0.001..0.01_f64,
+        teeth in 2..7_u32,
+        share in 0.05..1.0_f64,
+        length in 0.02..0.5_f64,
+    ) {
+        let mut pass = pass(cutter(1.0, ratio), 10.0_f64.powf(slope), alpha);
+        pass.runout = Runout::NONE.with_radial_mm(radial).unwrap().with_axial_mm(axial).unwrap();
+        pass.teeth = std::num::NonZeroU32::new(teeth);
+        let (envelope, tolerance, length) = (Envelope::new(pass).unwrap(), mm(share * axial), mm(length));
+        let is_kept = |s: Length, f: Length| {
+            let total = envelope.scallop_height(s, Some(f)).unwrap().total();
+            total.mm() <= tolerance.mm() * (1.0 + 1e-9)
+        };
+        if let Ok(feed) = envelope.max_feed_per_tooth(tolerance, length) {
+            prop_assert!(is_kept(length, feed), "feed {feed:?}");
+        }
+        if let Ok(step_over) = envelope.max_step_over(tolerance, Some(length)) {
+            prop_assert!(is_kept(step_over, length), "step-over {step_over:?}");
+        }
+    }
 }
