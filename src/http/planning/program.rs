@@ -33,7 +33,7 @@ members! {
     pub(super) struct ProgramOptionMembers for ProgramOptionsKind ("ProgramOptions", "How the program is written; only with `program` in `include`") -> ProgramOptions {
         unit: optional PROGRAM_UNIT: Choice<bool> = ("unit", Choice { name: None, words: &[("mm", false), ("inch", true)] },
             "the unit of the program: mm (default), G21; inch, G20"),
-        number_lines: optional NUMBER_LINES: Flag = ("number_lines", Flag, "whether each block has a number; absent = false"),
+        number_lines: optional NUMBER_LINES: Flag = ("number_lines", Flag, "whether blocks are numbered, in steps of 10, from 10 again after 99990; absent = false"),
         decimals: optional DECIMALS: Whole = ("decimals", Whole { minimum: 2, maximum: 6, example: 4 }, "the decimals of coordinates; absent = 4"),
         header: optional HEADER: List<Line> = ("header", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks at the beginning"),
         footer: optional FOOTER: List<Line> = ("footer", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks before M5 and M30"),
@@ -92,8 +92,8 @@ answer! {
     /// A program.
     #[schema(as = Program)]
     pub(crate) struct ProgramAnswer {
-        /// The text. A plan has a tool call for each operation, G0 and G1 alone, and modal words are not repeated; a path's own program is
-        /// the same, byte for byte, but for its feed words.
+        /// The text. A plan has a tool call for each operation, G0 and G1 alone, numbers with a decimal point, and modal words are not
+        /// repeated; a path's own program is the same, byte for byte, but for its feed words.
         pub(super) text: String,
         /// The dialect of the text: `iso`, `apt` or `columns`.
         pub(super) dialect: &'static str [example = "iso"],

@@ -232,10 +232,10 @@ fn modal_words_are_not_repeated() {
     let moves = moves();
     let operation = Operation { tool: 1, name: None, spindle_speed: None, moves: &moves, feed_rates: &[500.0; 4] };
     let text = write_iso(&[operation], &WriteSettings::default()).unwrap();
-    let expected = "%\nG17 G21 G90 G94\nT1 M6\nG0 X0 Y0\nZ10\nX3.3 Y0.25\nG1 Z-1.5 F500\nX7.125 Y2 Z-1.0625\nG0 Z10\nM5\nM30\n%\n";
+    let expected = "%\nG17 G21 G90 G94\nT1 M6\nG0 X0. Y0.\nZ10.\nX3.3 Y0.25\nG1 Z-1.5 F500.\nX7.125 Y2. Z-1.0625\nG0 Z10.\nM5\nM30\n%\n";
     assert_eq!(text, expected);
     let with_offset = write_iso(&[operation], &WriteSettings { length_offset: true, ..WriteSettings::default() }).unwrap();
-    assert_eq!(with_offset, expected.replace("\nZ10\n", "\nG43 H1 Z10\n"));
+    assert_eq!(with_offset, expected.replace("\nZ10.\n", "\nG43 H1 Z10.\n"));
     let gap = write_iso(&[Operation { moves: &[moves[0], moves[2]], ..operation }], &WriteSettings::default());
     assert_eq!(gap, Err(Gap { operation: 0, index: 1 }));
     let no_feed = write_iso(&[Operation { feed_rates: &[], ..operation }], &WriteSettings::default());
@@ -279,7 +279,8 @@ fn new_feeds_change_nothing_but_feed_words() {
         ("G0 X0 Y0 Z5\nG1 Z0 F100\nX10\n", 500.0, "G0 X0 Y0 Z5\nG1 Z0 F500\nX10\n"),
         ("g0x0y0z5\r\ng1z0f100(down)\r\nx10 ; on\r\n", 87.65, "g0x0y0z5\r\ng1z0F87.6(down)\r\nx10 ; on\r\n"),
         ("G0 X0 Y0 Z5\nF100\nG1 Z0 (F is (above)\nX10", 250.0, "G0 X0 Y0 Z5\nF100\nG1 Z0 F250 (F is (above)\nX10"),
-        ("G20\nG0 X0 Y0 Z1\nG1 X1 F10\nG0 X2\nG1 X3", 508.0, "G20\nG0 X0 Y0 Z1\nG1 X1 F20\nG0 X2\nG1 X3"),
+        ("G20\nG0 X0 Y0 Z1\nG1 X1 F10\nG0 X2\nG1 X3", 508.0, "G20\nG0 X0 Y0 Z1\nG1 X1 F20.\nG0 X2\nG1 X3"),
+        ("G0 X0 Y0 Z5\nG1 Z0 F100.\nX10\n", 500.0, "G0 X0 Y0 Z5\nG1 Z0 F500.\nX10\n"),
         ("S1000 G95\nG0 X0 Y0 Z1\nG1 X1 F0.1", 250.0, "S1000 G95\nG0 X0 Y0 Z1\nG1 X1 F0.25"),
         ("%\nO1\nG0 X0 Y0 Z5\nG1 Z0 F500.\nG2 X0 Y0 I5\nM30\n%", 500.0, "%\nO1\nG0 X0 Y0 Z5\nG1 Z0 F500.\nG2 X0 Y0 I5\nM30\n%"),
         ("0;0;1;500\n1;0;1;500\n", 321.0, "0;0;1;500\n1;0;1;321\n"),
@@ -351,4 +352,16 @@ fn linuxcnc_reads_back_what_is_written() {
         }
     }
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn numbers_of_blocks_have_five_digits_at_most() {
+    let moves: Vec<Move> = (0..10_010_u32)
+        .map(|step| [f64::from(step), f64::from(step + 1)].map(|x| [x, 0.0, 0.0]))
+        .map(|[from, to]| Move { from, to, kind: MoveKind::Cut })
+        .collect();
+    let operation = Operation { tool: 1, name: None, spindle_speed: None, moves: &moves, feed_rates: &vec![500.0; moves.len()] };
+    let text = write_iso(&[operation], &WriteSettings { number_lines: true, ..WriteSettings::default() }).unwrap();
+    let numbers: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix('N')?.split(' ').next()).collect();
+    assert_eq!((numbers[9998], numbers[9999]), ("99990", "10"));
 }

@@ -1,5 +1,5 @@
-//! Moves written as an ISO program: G17 G21 G90 G94, G0 and G1 alone, modal words not repeated. A program that was read is written
-//! again with new feeds: the same text, byte for byte, but for its feed words.
+//! Moves written as an ISO program: G17 G21 G90 G94, G0 and G1 alone, modal words not repeated, numbers with a decimal point. A
+//! program that was read is written again with new feeds: the same text, byte for byte, but for its feed words.
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded before the conversion")]
 
@@ -29,7 +29,7 @@ pub struct Operation<'a> {
 pub struct WriteSettings<'a> {
     /// G20 and inches in place of G21 and mm.
     pub inches: bool,
-    /// Numbers the blocks in steps of 10.
+    /// Numbers the blocks in steps of 10, from 10 again after 99990.
     pub number_lines: bool,
     /// The decimals of coordinates, up to 8.
     pub decimals: usize,
@@ -65,6 +65,9 @@ impl fmt::Display for Gap {
 }
 
 impl std::error::Error for Gap {}
+
+/// The last number of a block with five digits, the most that some controls read.
+const LAST_NUMBER: u32 = 99_990;
 
 /// The text being written, and the words that hold.
 struct Writer<'a> {
@@ -130,7 +133,7 @@ pub fn write_iso(operations: &[Operation<'_>], settings: &WriteSettings<'_>) -> 
 impl Writer<'_> {
     fn block(&mut self, text: &str) {
         if self.settings.number_lines {
-            self.number += 10;
+            self.number = if self.number < LAST_NUMBER { self.number + 10 } else { 10 };
             let _ = write!(self.text, "N{} ", self.number);
         }
         self.text.push_str(text);
@@ -180,11 +183,12 @@ impl Writer<'_> {
     }
 }
 
-/// The number with up to these decimals, without zeros at its end, and without a sign at zero.
+/// The number with up to these decimals, without zeros at its end, and without a sign at zero. It has a decimal point: some controls
+/// read numbers without one in their least increment, 10 as 0.010 mm.
 fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+    let text = if decimals == 0 { text + "." } else { text.trim_end_matches('0').to_owned() };
+    if text == "-0." { "0.".to_owned() } else { text }
 }
 
 /// A feed word stays if its feed is at most this part below the new one.
@@ -192,7 +196,8 @@ const NEARLY: f64 = 0.99;
 
 /// The text of `program` with the feed rates in mm/min of the moves to its points; those of rapids do not count. A block
 /// whose moves have different ones gets the least. Words are rounded down; a word is added where the modal feed differs.
-/// With `old_in_comments`, G-code has each replaced word in a comment after the new one.
+/// With `old_in_comments`, G-code has each replaced word in a comment after the new one. A word of G-code has a decimal point where
+/// the replaced one has it, and where its unit is not mm/min: some controls read such numbers without one in their least increment.
 ///
 /// # Panics
 /// If there are fewer feed rates than points.
@@ -313,7 +318,11 @@ fn block_with_feed(block: &str, wanted: Option<(f64, f64)>, modal: &mut Option<(
         written.push_str(block);
         return;
     }
-    let value = word_value(feed, unit);
+    let mut value = word_value(feed, unit);
+    let has_point = word.as_ref().is_some_and(|word| block[word.from..word.to].contains('.'));
+    if (has_point || unit > 1.0) && !value.contains('.') {
+        value.push('.');
+    }
     let comment = |old: f64| if old_in_comments { format!(" (F{old})") } else { String::new() };
     match word {
         Some(word) => {
