@@ -226,6 +226,12 @@ pub enum ModelWarning {
     /// approximate. This is so at every slope under 10 deg; if [`ScallopHeight::largest_turn`](crate::milling::ScallopHeight::largest_turn) exceeds 0.1; and near
     /// walls, if the normal turns by more than a fifth of the remaining angle to 90 deg between two marks.
     CurvatureApproximate,
+    /// The normal of a curved surface turns so far that marks between those of the ridge can lie where the surface is level or
+    /// upright: the cutter touches with its other side there, which the height does not know.
+    HeightNotABound {
+        /// [`ScallopHeight::largest_turn`](crate::milling::ScallopHeight::largest_turn).
+        turn: f64,
+    },
     /// The cutter fits closely into the concave surface, so that the second order of the surface is not accurate
     /// enough.
     NearGouging {
@@ -267,6 +273,10 @@ impl fmt::Display for ModelWarning {
             Self::CurvatureApproximate => f.write_str(
                 "the normal of the curved surface turns between the marks by an angle that is not negligible (as at every slope under 10 deg); the height is approximate, and can be exceeded by a few percent",
             ),
+            Self::HeightNotABound { turn } => write!(
+                f,
+                "between the marks the normal of the curved surface turns by {turn:.2} of the angle at which the contact leaves its arc of the cutter; from {TURN_OF_NO_BOUND} on the surface can be level or upright within a step-over, where the cutter touches with its other side: the height is no bound, and near level ground it can be exceeded many times over"
+            ),
             Self::NearGouging { lambda } => write!(
                 f,
                 "the cutter fits closely into the concave surface: the relative curvature is {lambda:.3} of the cutter's own, and below {NEAR_GOUGING} the height can be exceeded"
@@ -284,6 +294,10 @@ const A_FIFTH: f64 = 0.2;
 /// larger turns exceed the model's by up to some percent on strongly curved surfaces;
 /// `docs/envelope-on-curved-surfaces.md` has the figures.
 const SMALL_TURN: f64 = 0.1;
+
+/// The turn of the normal from which on a height is no bound. The ridge's marks are half a step-over from its place; where the passes
+/// lie otherwise one is up to a whole step-over away, and with half of the turn to level ground there it can lie past it.
+const TURN_OF_NO_BOUND: f64 = 0.5;
 
 /// The slope in degrees below which heights on curved surfaces are approximate in model `envelope`.
 const STEEP_ENOUGH_DEG: f64 = 10.0;
@@ -312,11 +326,15 @@ impl EvaluatedPass {
                 || largest_turn > SMALL_TURN
                 || turns_towards_wall(pass, step_over, feed_per_tooth)
         };
-        let third_order = self.model() == Model::Envelope && !pass.surface.is_plane() && counts();
-        let approximate = third_order.then_some(ModelWarning::CurvatureApproximate);
+        let is_curved = self.model() == Model::Envelope && !pass.surface.is_plane();
+        let turned = if is_curved && largest_turn >= TURN_OF_NO_BOUND {
+            Some(ModelWarning::HeightNotABound { turn: largest_turn })
+        } else {
+            (is_curved && counts()).then_some(ModelWarning::CurvatureApproximate)
+        };
         let lambda = self.relative_curvature();
         let near_gouging = (lambda < NEAR_GOUGING).then_some(ModelWarning::NearGouging { lambda });
-        circle.into_iter().chain([sharp, approximate, near_gouging]).flatten()
+        circle.into_iter().chain([sharp, turned, near_gouging]).flatten()
     }
 
     /// The warnings of the analytic model, which replaces the cutter by a circle.

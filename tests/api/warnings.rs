@@ -118,6 +118,21 @@ async fn curvature_under_10_degrees_and_a_hollow_that_the_cutter_nearly_fills_gi
     }
 }
 
+/// On a cylinder of 100 mm the normal turns to level ground within 0.5 mm at 0.3 deg. A brute-force section leaves 0.1215 mm there,
+/// and 0.0112 mm at 1 deg.
+#[tokio::test]
+async fn near_level_ground_within_a_step_over_a_height_is_said_to_be_no_bound() {
+    let app = TestApp::start().await;
+    let torus = json!({"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 1});
+    let body = json!({"cutter": torus, "contact": angles(0.3, 90.0), "surface_radius_mm": 100, "step_over_mm": 1, "model": "envelope"});
+    for (slope, expected, bounds) in [(0.3, "height-not-a-bound", false), (1.0, "curvature-approximate", true)] {
+        let body = with(body.clone(), "/contact/slope_deg", slope);
+        assert_eq!(warned(&app, &body).await, [expected]);
+        let section = if slope < 0.5 { 0.1215 } else { 0.0112 };
+        assert_eq!(app.answer(SCALLOP_HEIGHT, &body).await["scallop_height_mm"].as_f64().unwrap() >= section, bounds);
+    }
+}
+
 #[tokio::test]
 async fn a_batch_lists_each_warning_once_with_its_count() {
     let app = TestApp::start().await;

@@ -88,7 +88,9 @@ pub(crate) fn is_settled(evaluated: &EvaluatedPass, s: f64, f: f64) -> bool {
     let warns = || {
         let (s, f) = (mm(s.max(1e-6)), Some(mm(f.max(1e-6))));
         let turn = evaluated.scallop_height(s, f).map_or(f64::INFINITY, ScallopHeight::largest_turn);
-        evaluated.warnings(s, f, turn).any(|warning| warning == ModelWarning::CurvatureApproximate)
+        evaluated
+            .warnings(s, f, turn)
+            .any(|warning| matches!(warning, ModelWarning::CurvatureApproximate | ModelWarning::HeightNotABound { .. }))
     };
     !is_smooth_on_curve || !(is_short() || warns())
 }

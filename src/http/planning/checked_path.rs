@@ -329,7 +329,8 @@ answer! {
         share: f64 [minimum = 0, maximum = 1] = finish.gouge_share.value,
         /// The deepest cut of moves at the feed rate.
         depth_mm: f64 [minimum = 0] = finish.gouge.map_or(0.0, |spot| -spot.left.height),
-        /// The deepest cut of rapid moves.
+        /// The deepest cut of rapid moves, each of them straight. A control that moves each axis at its own rate takes another way,
+        /// unless a move goes along one axis.
         rapid_depth_mm: f64 [minimum = 0] = finish.collision.map_or(0.0, |spot| -spot.left.height),
     }
 

@@ -26,7 +26,7 @@ impl Warning {
 
 same_names! {
     ModelWarning => WarningCode:
-    RunoutNotSmall, StepOverWide, FeedPerToothLong, EffectiveRadiusBeyondCutter, SharpMarks, CurvatureApproximate, NearGouging,
+    RunoutNotSmall, StepOverWide, FeedPerToothLong, EffectiveRadiusBeyondCutter, SharpMarks, CurvatureApproximate, HeightNotABound, NearGouging,
 }
 
 impl From<ModelWarning> for Warning {
