@@ -2,6 +2,7 @@
 //! their limits at a pass.
 
 use super::gouging::NEAR_GOUGING;
+use super::pass::TURN_OF_NO_BOUND;
 use super::{Analytic, EffectiveRadius, Envelope, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::Length;
 use std::f64::consts::FRAC_PI_2;
@@ -294,10 +295,6 @@ const A_FIFTH: f64 = 0.2;
 /// larger turns exceed the model's by up to some percent on strongly curved surfaces;
 /// `docs/envelope-on-curved-surfaces.md` has the figures.
 const SMALL_TURN: f64 = 0.1;
-
-/// The turn of the normal from which on a height is no bound. The ridge's marks are half a step-over from its place; where the passes
-/// lie otherwise one is up to a whole step-over away, and with half of the turn to level ground there it can lie past it.
-const TURN_OF_NO_BOUND: f64 = 0.5;
 
 /// The slope in degrees below which heights on curved surfaces are approximate in model `envelope`.
 const STEEP_ENOUGH_DEG: f64 = 10.0;

@@ -131,6 +131,10 @@ async fn near_level_ground_within_a_step_over_a_height_is_said_to_be_no_bound() 
         let section = if slope < 0.5 { 0.1215 } else { 0.0112 };
         assert_eq!(app.answer(SCALLOP_HEIGHT, &body).await["scallop_height_mm"].as_f64().unwrap() >= section, bounds);
     }
+    // The analytic height, the corner's alone, is not said to be far too high.
+    let analytic = app.answer(SCALLOP_HEIGHT, &with(body, "/model", "analytic")).await;
+    assert!(warnings(&analytic).contains(&"height-not-a-bound"));
+    assert_eq!(analytic["check"].get("deviation"), None);
 }
 
 #[tokio::test]

@@ -188,9 +188,9 @@ impl<C: Calculation> Batch<C> {
         let mut computed = self.calculation.compute(&inputs);
         let figures = computed.as_mut().map_err(|cause| fail(*cause))?;
         if self.selection.is_compared {
-            let check = single::compare(pass, figures);
-            part.outside_range += usize::from(single::is_outside_range(&check));
-            figures.check = check.ok();
+            let compared = single::compare(pass, figures);
+            part.outside_range += usize::from(single::is_outside_range(&compared));
+            figures.check = compared.ok().map(|(check, _)| check);
         }
         part.add(figures, pass, &self.selection);
         Ok(())

@@ -120,37 +120,46 @@ pub(super) fn pass(shared: &SharedParameters, contact: &StatedContact, parameter
 /// The deviation below which the analytic model is outside its range: 5 % below the height by the cutter's exact shape.
 const OUTSIDE_RANGE: f64 = -0.05;
 
-/// Compares the height by the pass's model with the envelope's.
-pub(super) fn compare(pass: &EvaluatedPass, figures: &Figures) -> Result<Check, NoAnswer> {
+/// Compares the height by the pass's model with the envelope's, and tells whether that is a bound; heights are not compared with one
+/// that is none.
+pub(super) fn compare(pass: &EvaluatedPass, figures: &Figures) -> Result<(Check, bool), NoAnswer> {
     let height = figures.height.unwrap_or_else(|| unreachable!("a comparison needs the height")).mm();
-    let envelope = match pass.model() {
-        Model::Analytic => Envelope::new(*pass.pass())?.scallop_height(figures.step_over, figures.feed_per_tooth)?.total().mm(),
-        Model::Envelope => height,
+    let (envelope, is_bound) = match pass.model() {
+        Model::Analytic => {
+            let envelope = Envelope::new(*pass.pass())?.scallop_height(figures.step_over, figures.feed_per_tooth)?;
+            (envelope.total().mm(), envelope.is_bound())
+        }
+        Model::Envelope => (height, true),
     };
-    let deviation = (envelope > 0.0).then(|| (height - envelope) / envelope);
-    Ok(Check { envelope_scallop_height_mm: envelope, deviation })
+    let deviation = (is_bound && envelope > 0.0).then(|| (height - envelope) / envelope);
+    Ok((Check { envelope_scallop_height_mm: envelope, deviation }, is_bound))
 }
 
 /// Whether the analytic model is outside its range.
-pub(super) fn is_outside_range(check: &Result<Check, NoAnswer>) -> bool {
-    check.as_ref().map_or(true, |check| check.deviation.is_some_and(|deviation| deviation < OUTSIDE_RANGE))
+pub(super) fn is_outside_range(compared: &Result<(Check, bool), NoAnswer>) -> bool {
+    compared.as_ref().map_or(true, |(check, _)| check.deviation.is_some_and(|deviation| deviation < OUTSIDE_RANGE))
 }
 
-/// Compares the analytic height with the envelope's, and adds a warning if it is far lower.
+/// Compares the analytic height with the envelope's, and adds a warning if it is far lower, or if the envelope's is no bound.
 fn check(pass: &EvaluatedPass, figures: &Figures, warnings: &mut Vec<Warning>) -> Option<Check> {
     if pass.model() != Model::Analytic {
         return None;
     }
-    let check = compare(pass, figures);
-    if is_outside_range(&check) {
-        let detail = match check {
+    let compared = compare(pass, figures);
+    if is_outside_range(&compared) {
+        let detail = match compared {
             Err(cause) => format!("the cutter's exact shape leaves no scallop to compare with: {cause}"),
-            Ok(Check { envelope_scallop_height_mm, deviation }) => format!(
+            Ok((Check { envelope_scallop_height_mm, deviation }, _)) => format!(
                 "the analytic height is {:.1} % under the {envelope_scallop_height_mm:.6} mm that the cutter's exact shape leaves; model \"envelope\" keeps the tolerance",
                 -deviation.unwrap_or_default() * 100.0
             ),
         };
         warnings.push(Warning::new(WarningCode::OutsideAnalyticRange, detail));
     }
-    check.ok()
+    let (check, is_bound) = compared.ok()?;
+    if !is_bound {
+        let detail = "the curved surface can be level or upright within a step-over, where the height by the cutter's exact shape is no bound: the analytic height is not compared with it";
+        warnings.push(Warning::new(WarningCode::HeightNotABound, detail));
+    }
+    Some(check)
 }

@@ -34,7 +34,7 @@ members! {
         unit: optional PROGRAM_UNIT: Choice<bool> = ("unit", Choice { name: None, words: &[("mm", false), ("inch", true)] },
             "the unit of the program: mm (default), G21; inch, G20"),
         number_lines: optional NUMBER_LINES: Flag = ("number_lines", Flag, "whether blocks are numbered, in steps of 10, from 10 again after 99990; absent = false"),
-        decimals: optional DECIMALS: Whole = ("decimals", Whole { minimum: 2, maximum: 6, example: 4 }, "the decimals of coordinates; absent = 4"),
+        decimals: optional DECIMALS: Whole = ("decimals", Whole { minimum: 2, maximum: 6, example: 4 }, "the decimals of coordinates; absent = 4, which in inches rounds by up to 1.3 um"),
         header: optional HEADER: List<Line> = ("header", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks at the beginning"),
         footer: optional FOOTER: List<Line> = ("footer", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks before M5 and M30"),
         tool: optional TOOL: Whole = ("tool", Whole { minimum: 0, maximum: 999_999, example: 3 }, "the number of the first tool call; further cutters of a plan of several operations follow; absent = 1"),

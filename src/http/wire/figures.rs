@@ -296,7 +296,7 @@ answer! {
         /// The height by the cutter's exact shape (model `envelope`).
         pub(crate) envelope_scallop_height_mm: f64 [minimum = 0],
         /// (height - envelope) / envelope: negative if the model's height is less than the cutter leaves. Absent if the
-        /// envelope's height is 0.
+        /// envelope's height is 0, or no bound (warning `height-not-a-bound`).
         pub(crate) deviation?: f64 [minimum = -1],
     }
 }
