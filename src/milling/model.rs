@@ -2,7 +2,6 @@
 //! their limits at a pass.
 
 use super::gouging::NEAR_GOUGING;
-use super::pass::TURN_OF_NO_BOUND;
 use super::{Analytic, EffectiveRadius, Envelope, NoAnswer, Pass, ScallopHeight};
 use crate::quantity::Length;
 use std::f64::consts::FRAC_PI_2;
@@ -276,7 +275,7 @@ impl fmt::Display for ModelWarning {
             ),
             Self::HeightNotABound { turn } => write!(
                 f,
-                "between the marks the normal of the curved surface turns by {turn:.2} of the angle at which the contact leaves its arc of the cutter; from {TURN_OF_NO_BOUND} on the surface can be level or upright within a step-over, where the cutter touches with its other side: the height is no bound, and near level ground it can be exceeded many times over"
+                "between the marks the normal of the curved surface turns by {turn:.2} of the angle to level ground or to a wall; from {TURN_OF_NO_BOUND} on the surface can be level or upright within a step-over, where the cutter touches with its other side: the height is no bound, and near level ground it can be exceeded many times over"
             ),
             Self::NearGouging { lambda } => write!(
                 f,
@@ -295,6 +294,10 @@ const A_FIFTH: f64 = 0.2;
 /// larger turns exceed the model's by up to some percent on strongly curved surfaces;
 /// `docs/envelope-on-curved-surfaces.md` has the figures.
 const SMALL_TURN: f64 = 0.1;
+
+/// The turn of the normal from which on a height is no bound. The ridge's marks are half a step-over from its place; where the passes
+/// lie otherwise one is up to a whole step-over away, and with half of the turn to level ground there it can lie past it.
+const TURN_OF_NO_BOUND: f64 = 0.5;
 
 /// The slope in degrees below which heights on curved surfaces are approximate in model `envelope`.
 const STEEP_ENOUGH_DEG: f64 = 10.0;
@@ -324,7 +327,7 @@ impl EvaluatedPass {
                 || turns_towards_wall(pass, step_over, feed_per_tooth)
         };
         let is_curved = self.model() == Model::Envelope && !pass.surface.is_plane();
-        let turned = if is_curved && largest_turn >= TURN_OF_NO_BOUND {
+        let turned = if is_curved && !self.is_bound(largest_turn) {
             Some(ModelWarning::HeightNotABound { turn: largest_turn })
         } else {
             (is_curved && counts()).then_some(ModelWarning::CurvatureApproximate)
@@ -332,6 +335,19 @@ impl EvaluatedPass {
         let lambda = self.relative_curvature();
         let near_gouging = (lambda < NEAR_GOUGING).then_some(ModelWarning::NearGouging { lambda });
         circle.into_iter().chain([sharp, turned, near_gouging]).flatten()
+    }
+
+    /// Whether an envelope height with this [`ScallopHeight::largest_turn`] is a bound. It is none where a mark within a step-over can
+    /// lie where the surface is level or upright, if the touching arc of the profile ends there: the cutter touches with its other side.
+    #[must_use]
+    pub fn is_bound(&self, largest_turn: f64) -> bool {
+        let profile = self.pass().cutter.profile();
+        let slope = self.pass().contact.slope().radians();
+        let arc = profile.arc_at(slope);
+        // The other side of a round tip continues it.
+        let is_tip = arc.centre_offset <= 0.0 && arc.from <= 0.0;
+        let ends = if !is_tip && slope - arc.from < arc.to - slope { arc.from <= 0.0 } else { arc.to >= FRAC_PI_2 };
+        largest_turn < TURN_OF_NO_BOUND || !ends
     }
 
     /// The warnings of the analytic model, which replaces the cutter by a circle.

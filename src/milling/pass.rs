@@ -140,10 +140,6 @@ impl StepOver {
     }
 }
 
-/// The turn of the normal from which on a height is no bound. The ridge's marks are half a step-over from its place; where the passes
-/// lie otherwise one is up to a whole step-over away, and with half of the turn to level ground there it can lie past it.
-pub(super) const TURN_OF_NO_BOUND: f64 = 0.5;
-
 /// The scallop height of a pass, in its two parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScallopHeight {
@@ -184,13 +180,6 @@ impl ScallopHeight {
     #[must_use]
     pub fn largest_turn(self) -> f64 {
         self.largest_turn
-    }
-
-    /// Whether the height is a bound. From a largest turn of 0.5 on it is none: a mark within a step-over can lie where the surface is
-    /// level or upright, and the cutter touches with its other side.
-    #[must_use]
-    pub fn is_bound(self) -> bool {
-        self.largest_turn < TURN_OF_NO_BOUND
     }
 
     /// The share of the feed height in the scallop height, from 0 to 1; `None` if the height is 0.

@@ -137,6 +137,17 @@ async fn near_level_ground_within_a_step_over_a_height_is_said_to_be_no_bound() 
     assert_eq!(analytic["check"].get("deviation"), None);
 }
 
+/// Where two arcs of a profile meet, the cutter does not touch with its other side.
+#[tokio::test]
+async fn beside_the_border_of_two_arcs_a_height_is_a_bound() {
+    let app = TestApp::start().await;
+    let oval = json!({"type": "oval", "diameter_mm": 10, "tip_radius_mm": 2, "side_radius_mm": 80});
+    let contacts: Vec<_> = (0..160).map(|step| angles(40.0 + f64::from(step) / 4.0, 90.0)).collect();
+    let body = json!({"cutter": oval, "contacts": contacts, "surface_radius_mm": 100, "step_over_mm": 0.5, "model": "envelope"});
+    let answer = app.answer("/v1/scallop-height/batch", &body).await;
+    assert_eq!(warnings(&answer), ["curvature-approximate"]);
+}
+
 #[tokio::test]
 async fn a_batch_lists_each_warning_once_with_its_count() {
     let app = TestApp::start().await;

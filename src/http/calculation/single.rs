@@ -127,7 +127,7 @@ pub(super) fn compare(pass: &EvaluatedPass, figures: &Figures) -> Result<(Check,
     let (envelope, is_bound) = match pass.model() {
         Model::Analytic => {
             let envelope = Envelope::new(*pass.pass())?.scallop_height(figures.step_over, figures.feed_per_tooth)?;
-            (envelope.total().mm(), envelope.is_bound())
+            (envelope.total().mm(), pass.is_bound(envelope.largest_turn()))
         }
         Model::Envelope => (height, true),
     };
