@@ -227,7 +227,7 @@ pub enum ModelWarning {
     /// walls, if the normal turns by more than a fifth of the remaining angle to 90 deg between two marks.
     CurvatureApproximate,
     /// The normal of a curved surface turns so far that marks between those of the ridge can lie where the surface is level or
-    /// upright: the cutter touches with its other side there, which the height does not know.
+    /// upright: the cutter touches with its other side there, which the height leaves out.
     HeightNotABound {
         /// [`ScallopHeight::largest_turn`](crate::milling::ScallopHeight::largest_turn).
         turn: f64,
@@ -295,8 +295,9 @@ const A_FIFTH: f64 = 0.2;
 /// `docs/envelope-on-curved-surfaces.md` has the figures.
 const SMALL_TURN: f64 = 0.1;
 
-/// The turn of the normal from which on a height is no bound. The ridge's marks are half a step-over from its place; where the passes
-/// lie otherwise one is up to a whole step-over away, and with half of the turn to level ground there it can lie past it.
+/// The turn of the normal from which on a height is no bound. A ridge's marks are half a step-over away from its place, and with other
+/// positions of the passes up to a whole one: where the normal turns half of the way to level ground within half a step-over, such a
+/// mark can lie past it.
 const TURN_OF_NO_BOUND: f64 = 0.5;
 
 /// The slope in degrees below which heights on curved surfaces are approximate in model `envelope`.

@@ -14,7 +14,7 @@ codes! {
         EffectiveRadiusBeyondCutter = "effective-radius-beyond-cutter": "The model's circle is wider than the cutter", "Use model \"envelope\": the scallop can be far higher.";
         SharpMarks = "sharp-marks": "A flat-end cutter leaves sharp marks", "Use a cutter with a small corner radius.";
         CurvatureApproximate = "curvature-approximate": "The surface's normal turns so much between the marks that the actual height can be larger than stated", "Keep a margin to the tolerance.";
-        HeightNotABound = "height-not-a-bound": "The surface's normal turns so far between the marks that the height is no bound", "State contacts where the surface is steeper, or let /v1/path-check mill the path.";
+        HeightNotABound = "height-not-a-bound": "The surface's normal turns so far between the marks that the height is no bound", "State contacts farther from level ground and from walls, or let /v1/path-check mill the path.";
         NearGouging = "near-gouging": "The cutter's radius is nearly that of the hollow; a second-order surface is then not accurate enough", "Use a smaller cutter, or keep a margin to the tolerance.";
         OutsideAnalyticRange = "outside-analytic-range": "The analytic height is far below what the cutter leaves", "Use model \"envelope\".";
         DegenerateFacets = "degenerate-facets": "Facets without area were left out", "None is needed; many of them indicate a damaged mesh.";

@@ -70,7 +70,7 @@ members! {
         cutters: optional PATH_CUTTERS: CuttersByNumber,
         tip: optional TIP_POINT: Choice<TipPoint> = ("tip", Choice { name: Some("TipPoint"),
             words: &[("lowest_point", TipPoint::LowestPoint), ("centre", TipPoint::Centre)] },
-            "the place of the cutter that the path states: its lowest point (default), or the height on the axis of the centre of the ball, of the corner, or of another shape's arc at the tip"),
+            "the place of the cutter that the path states: its lowest point (default), or the point of the axis that is as high as the centre of the ball or of the corner, and for other shapes as that of the arc at the tip"),
         roughness: optional ROUGHNESS: RoughnessKind,
         tolerance: optional TOLERANCE: Quantity<Length> = ("scallop_tolerance_mm", Quantity::length(0.01),
             "the height that may be left"),

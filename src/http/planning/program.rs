@@ -42,7 +42,7 @@ members! {
             "the spindle speed of the program; absent = the cutter's, at most the machine's; if neither is stated, the program has no S and no M3"),
         coolant: optional COOLANT: Flag = ("coolant", Flag, "whether coolant is on, M8; absent = false"),
         length_offset: optional LENGTH_OFFSET: Flag = ("tool_length_offset", Flag,
-            "whether the first Z after each tool call has G43 H with the tool's number; absent = false, for controls whose tool call sets the length. Without either a control moves the spindle's nose to where the tip should be"),
+            "whether the first Z after each tool call has G43 H with the tool's number; absent = false. Without it, a control whose tool call does not set the length moves the spindle's nose to where the tip should be"),
     }
 }
 
@@ -92,8 +92,8 @@ answer! {
     /// A program.
     #[schema(as = Program)]
     pub(crate) struct ProgramAnswer {
-        /// The text. A plan has a tool call for each operation, G0 and G1 alone, numbers with a decimal point, and modal words are not
-        /// repeated; a path's own program is the same, byte for byte, but for its feed words.
+        /// The text. A plan has a tool call for each operation, G0 and G1 alone, coordinates and feeds with a decimal point, and modal
+        /// words are not repeated; a path's own program is the same, byte for byte, but for its feed words.
         pub(super) text: String,
         /// The dialect of the text: `iso`, `apt` or `columns`.
         pub(super) dialect: &'static str [example = "iso"],

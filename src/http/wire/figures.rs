@@ -238,7 +238,7 @@ impl Figure {
         match self.presence {
             Presence::Null(place) | Presence::Absent(place) => format!("{name} is null {place}"),
             Presence::Only(_) if CHECK_FIGURES.iter().any(|check| check.name == name) => {
-                format!("{name} is null if the cutter's exact shape leaves no height to compare")
+                format!("{name} is null if the cutter's exact shape leaves no height to compare, or none that is a bound")
             }
             Presence::Only(place) => format!("{name} has values only {place}"),
             Presence::Always => format!("{name} has no finite value"),

@@ -1,5 +1,5 @@
-//! Moves written as an ISO program: G17 G21 G90 G94, G0 and G1 alone, modal words not repeated, numbers with a decimal point. A
-//! program that was read is written again with new feeds: the same text, byte for byte, but for its feed words.
+//! Moves written as an ISO program: G17 G21 G90 G94, G0 and G1 alone, modal words not repeated, coordinates and feeds with a decimal
+//! point. A program that was read is written again with new feeds: the same text, byte for byte, but for its feed words.
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded before the conversion")]
 
