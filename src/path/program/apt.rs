@@ -6,12 +6,42 @@ use super::arc::{Arc, Centre};
 use super::program_points::{Collected, ProgramFaultKind, ProgramPoint, Reached};
 
 /// The statements by which such a file is known.
-pub(super) const STATEMENTS: [&str; 9] = ["PARTNO", "GOTO", "FEDRAT", "LOADTL", "UNITS", "MULTAX", "MACHIN", "CUTTER", "SPINDL"];
+pub(super) const STATEMENTS: [&str; 10] = ["PARTNO", "GOTO", "FEDRAT", "LOADTL", "UNITS", "MULTAX", "MACHIN", "CUTTER", "SPINDL", "TLDATA"];
 
 /// Statements that say nothing about the path.
-const SKIPPED: [&str; 18] = [
-    "PARTNO", "PPRINT", "MACHIN", "CUTTER", "MULTAX", "COOLNT", "CUTCOM", "OUTTOL", "INTOL", "TOLER", "END", "FINI", "REMARK", "INSERT",
-    "STOP", "OPSTOP", "TLON", "MODE",
+const SKIPPED: [&str; 32] = [
+    "PARTNO",
+    "PPRINT",
+    "MACHIN",
+    "CUTTER",
+    "MULTAX",
+    "COOLNT",
+    "OUTTOL",
+    "INTOL",
+    "TOLER",
+    "END",
+    "FINI",
+    "REMARK",
+    "INSERT",
+    "STOP",
+    "OPSTOP",
+    "TLON",
+    "MODE",
+    "AUTOPS",
+    "AUXFUN",
+    "DELAY",
+    "DISPLY",
+    "END-OF-PATH",
+    "OPSKIP",
+    "PAINT",
+    "REWIND",
+    "SELECTL",
+    "SEQNO",
+    "TDATA",
+    "TLDATA",
+    "TOOL",
+    "TOOLNO",
+    "TPRINT",
 ];
 
 /// A circle about a line along an axis, on which the next GOTO ends.
@@ -26,6 +56,8 @@ struct Circle {
 pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
     let mut circle: Option<Circle> = None;
     let mut last: Option<[f64; 3]> = None;
+    let mut system: Option<String> = None;
+    let mut unit_is_stated = false;
     let (mut millimetres, mut feed, mut spindle, mut tool, mut rapid, mut is_new) = (1.0, None, None, 0, false, true);
     let mut lines = text.lines().zip(1_u32..);
     while let Some((line, number)) = lines.next().filter(|_| !collected.is_full()) {
@@ -85,13 +117,20 @@ pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
                     Some(speed) => feed = Some(value * millimetres * speed),
                     None => collected.fault(number, ProgramFaultKind::FeedPerRevolution, statement.clone()),
                 },
+                Some(_) if arguments.contains(&"IPM") && !unit_is_stated => {
+                    collected.fault(number, ProgramFaultKind::UnknownUnit, statement.clone());
+                }
                 Some(value) => feed = Some(value * if arguments.contains(&"IPM") { 25.4 } else { millimetres }),
                 None => collected.fault(number, ProgramFaultKind::Number, statement.clone()),
             },
             "SPINDL" => spindle = numbers().find(|value| *value > 0.0).or(spindle),
-            "UNITS" if rest.contains("INCH") => millimetres = 25.4,
-            "UNITS" if rest.contains("MM") => millimetres = 1.0,
-            "LOADTL" | "TURRET" => {
+            "UNITS" if rest.contains("INCH") => (millimetres, unit_is_stated) = (25.4, true),
+            "UNITS" if rest.contains("MM") => (millimetres, unit_is_stated) = (1.0, true),
+            // The coordinates are those of NX's machine coordinate system, as in the program of the control. A second one would
+            // shift them.
+            "MSYS" if system.as_ref().is_none_or(|first| first == rest) => system = Some(rest.to_owned()),
+            "CUTCOM" if rest.trim() == "OFF" => {}
+            "LOADTL" | "LOAD" | "TURRET" => {
                 tool = numbers().next().filter(|value| (0.0..=1e6).contains(value)).map_or(0, |value| value as u32);
                 is_new = true;
             }
@@ -104,7 +143,9 @@ pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
                 }
             }
             "CYCLE" => collected.fault(number, ProgramFaultKind::Cycle, statement.clone()),
-            "TRANS" | "ORIGIN" | "TRACUT" | "COPY" => collected.fault(number, ProgramFaultKind::Transformation, statement.clone()),
+            "TRANS" | "ORIGIN" | "TRACUT" | "COPY" | "CUTCOM" | "MSYS" => {
+                collected.fault(number, ProgramFaultKind::Transformation, statement.clone());
+            }
             word if SKIPPED.contains(&word) => {}
             _ => collected.fault(number, ProgramFaultKind::UnknownWord, statement.clone()),
         }

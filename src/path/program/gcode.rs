@@ -14,6 +14,17 @@ enum Motion {
     CounterClockwise,
 }
 
+/// G words, times ten, that leave the geometry as it is: look-ahead, polar coordinates off, compensation off, length
+/// compensation, scaling off, exact stop and path control, rotation off, cycle off, return levels; Haas' look-ahead, offsets and
+/// smoothness; Siemens' offsets off.
+const SETTING_G: [i32; 19] = [80, 90, 150, 400, 430, 490, 500, 610, 611, 640, 690, 800, 970, 980, 990, 1030, 1540, 1870, 5000];
+
+/// M words, times ten, for spindle, coolant, stops, clamps, gears, overrides, pallets, chips and air.
+const AUXILIARY_M: [i32; 36] = [
+    0, 10, 30, 40, 50, 70, 80, 90, 100, 110, 120, 130, 140, 190, 310, 330, 340, 350, 360, 400, 410, 420, 430, 440, 450, 480, 490, 500, 510,
+    520, 530, 600, 830, 840, 880, 890,
+];
+
 /// What holds from block to block.
 #[allow(clippy::struct_excessive_bools, reason = "each is a modal state of its own")]
 struct State {
@@ -41,13 +52,16 @@ struct Block {
     centre: [Option<f64>; 3],
     radius: Option<f64>,
     motion: Option<Motion>,
-    /// Its axis words are for a dwell, a reference point or machine coordinates.
+    /// Its axis words are for a reference point or machine coordinates.
     reference: bool,
-    dwell: bool,
+    /// Its axis words are parameters of a dwell or of the control's smoothing: nothing moves.
+    parameters: bool,
     tool_change: bool,
     /// A word of it is refused: its other words may belong to that one.
     refused: bool,
     first_of_arc: Option<Word>,
+    /// LinuxCNC's number of turns of an arc.
+    turns: Option<Word>,
 }
 
 pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
@@ -68,7 +82,9 @@ pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
     let mut block = Vec::new();
     for (line, number) in text.lines().zip(1..) {
         words(line, number, collected, &mut block);
-        if state.run(&block, number, sagitta, collected) || collected.is_full() {
+        let is_heidenhain = collected.faults.last().is_some_and(|fault| fault.kind == ProgramFaultKind::Heidenhain);
+        // One fault says all about a program in another language.
+        if is_heidenhain || state.run(&block, number, sagitta, collected) || collected.is_full() {
             break;
         }
     }
@@ -79,27 +95,39 @@ impl State {
     fn run(&mut self, words: &[Word], line: u32, sagitta: f64, collected: &mut Collected) -> bool {
         let mut block = Block::default();
         let mut ends = false;
+        let has = |letter: char| words.iter().any(|word| word.letter == letter);
         for word in words.iter().filter(|word| word.letter == 'G') {
-            self.g(*word, &mut block, line, collected);
+            match word.tenths() {
+                // Fanuc's smoothing, where LinuxCNC has splines: G5 P10000 and G5.1 Q1, there with axes as parameters.
+                Some(50) if has('P') && !has('Q') => {}
+                Some(51) if has('Q') => block.parameters = true,
+                _ => self.g(*word, &mut block, line, collected),
+            }
         }
         for word in words {
             match word.letter {
+                _ if word.value.is_nan() && !block.reference => collected.fault(line, ProgramFaultKind::Macro, word.letter),
                 'M' => ends |= Self::m(*word, &mut block, line, collected),
-                'X' | 'Y' | 'Z' if !block.dwell => block.axes["XYZ".find(word.letter).unwrap_or(0)] = Some(word.value * self.millimetres),
+                'X' | 'Y' | 'Z' if !block.parameters => {
+                    block.axes["XYZ".find(word.letter).unwrap_or(0)] = Some(word.value * self.millimetres);
+                }
                 'I' | 'J' | 'K' => {
                     block.first_of_arc.get_or_insert(*word);
                     block.centre["IJK".find(word.letter).unwrap_or(0)] = Some(word.value * self.millimetres);
                 }
-                'R' => {
+                'R' if !block.parameters => {
                     block.first_of_arc.get_or_insert(*word);
                     block.radius = Some(word.value * self.millimetres);
                 }
                 'F' => self.feed = Some(word.value * self.millimetres),
-                'S' if !block.dwell => self.spindle = (word.value > 0.0).then_some(word.value),
+                'S' if !block.parameters => self.spindle = (word.value > 0.0).then_some(word.value),
                 'T' if word.value >= 0.0 && word.value <= 1e6 => self.next_tool = word.value as u32,
                 // Offset numbers, and the parameters of a dwell and of path control.
-                'G' | 'H' | 'D' | 'P' | 'Q' | 'S' | 'E' => {}
-                'X' | 'U' if block.dwell => {}
+                'G' | 'H' | 'D' | 'Q' | 'R' | 'S' | 'E' => {}
+                'P' => block.turns = Some(*word),
+                'X' | 'Y' | 'Z' | 'U' if block.parameters => {}
+                // A rotary axis that stays at zero, or goes home, turns nothing.
+                'A' | 'B' | 'C' if word.value == 0.0 || word.value.is_nan() => {}
                 'A' | 'B' | 'C' | 'U' | 'V' | 'W' => collected.fault(line, ProgramFaultKind::Axis, word.to_string()),
                 // The parameters of a refused word need no fault of their own.
                 _ if block.refused => {}
@@ -150,23 +178,22 @@ impl State {
     /// Sets what a G word sets that is followed or leaves the geometry as it is; false if it is not known.
     fn set(&mut self, tenths: Option<i32>, block: &mut Block) -> bool {
         match tenths {
-            Some(40) => block.dwell = true,
+            Some(40) => block.parameters = true,
             Some(170) => self.plane = [0, 1, 2],
             Some(180) => self.plane = [2, 0, 1],
             Some(190) => self.plane = [1, 2, 0],
-            Some(200) => self.millimetres = 25.4,
-            Some(210) => self.millimetres = 1.0,
-            Some(280 | 300 | 530) => block.reference = true,
+            Some(200 | 7000) => self.millimetres = 25.4,
+            Some(210 | 710 | 7100) => self.millimetres = 1.0,
+            Some(280 | 300 | 530 | 1530) => block.reference = true,
             Some(900) => self.absolute = true,
             Some(910) => self.absolute = false,
             Some(901) => self.absolute_centres = true,
             Some(911) => self.absolute_centres = false,
             Some(940) => self.per_revolution = false,
             Some(950) => self.per_revolution = true,
-            // Compensation off, length compensation, polar coordinates off, scaling off, work offsets, exact stop and path
-            // control, rotation off, cycle off, return levels: the geometry stays.
-            Some(90 | 150 | 400 | 430 | 490 | 500 | 540..=593 | 610 | 611 | 640 | 690 | 800 | 970 | 980 | 990) => {}
-            _ => return false,
+            // Work offsets; Siemens' offsets, exact stop and smoothing.
+            Some(540..=593 | 5050..=5990 | 6010..=6030 | 6410..=6450) => {}
+            known => return known.is_some_and(|tenths| SETTING_G.contains(&tenths)),
         }
         true
     }
@@ -176,7 +203,7 @@ impl State {
         match word.tenths() {
             Some(20 | 300) => return true,
             Some(60) => block.tool_change = true,
-            Some(0 | 10 | 30 | 40 | 50 | 70 | 80 | 90 | 190 | 480 | 490 | 600) => {}
+            Some(tenths) if AUXILIARY_M.contains(&tenths) => {}
             Some(970..=990) => collected.fault(line, ProgramFaultKind::Macro, word.to_string()),
             _ => collected.fault(line, ProgramFaultKind::UnknownWord, word.to_string()),
         }
@@ -184,7 +211,7 @@ impl State {
     }
 
     fn move_to(&mut self, block: &Block, line: u32, sagitta: f64, collected: &mut Collected) {
-        if block.dwell {
+        if block.parameters {
             return;
         }
         let moved = |axis: usize| block.axes[axis].is_some();
@@ -236,6 +263,10 @@ impl State {
                 collected.fault(line, ProgramFaultKind::Arc, word.to_string());
             }
             self.push(end, if is_rapid { Reached::Rapid } else { Reached::Feed }, line, collected);
+            return;
+        }
+        if let Some(turns) = block.turns.filter(|turns| turns.value > 1.0) {
+            collected.fault(line, ProgramFaultKind::Arc, turns.to_string());
             return;
         }
         let arc = Arc { axes: self.plane, start, end, clockwise: motion == Motion::Clockwise };
@@ -325,32 +356,111 @@ pub(super) fn words(line: &str, number: u32, collected: &mut Collected, words: &
                 };
                 rest = &rest[end + 1..];
             }
-            '#' | '[' => {
+            '#' | '[' | '=' => {
                 collected.fault(number, ProgramFaultKind::Macro, rest);
                 return;
             }
-            letter if letter.is_ascii_alphabetic() => {
-                let letter = letter.to_ascii_uppercase();
-                let after = rest[1..].trim_start();
-                if after.starts_with(['#', '[', '<']) {
-                    collected.fault(number, ProgramFaultKind::Macro, rest);
+            letter if letter.is_ascii_alphabetic() || letter == '_' => match word_at_start(rest) {
+                Ok((word, length)) => {
+                    words.extend(word.filter(|word| !matches!(word.letter, 'N' | 'O')));
+                    rest = &rest[length..];
+                }
+                Err(kind) => {
+                    collected.fault(number, kind, rest);
                     return;
                 }
-                let (value, length) = number_at_start(after);
-                let Some(value) = value else {
-                    collected.fault(number, kind_of_text(rest), rest);
-                    return;
-                };
-                rest = &after[length..];
-                if letter != 'N' && letter != 'O' {
-                    words.push(Word { letter, value });
-                }
-            }
+            },
             _ => {
-                collected.fault(number, ProgramFaultKind::UnknownWord, rest);
+                // Heidenhain's blocks begin with a number.
+                let kind = kind_of_text(rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == ' '));
+                let kind = if kind == ProgramFaultKind::Heidenhain { kind } else { ProgramFaultKind::UnknownWord };
+                collected.fault(number, kind, rest);
                 return;
             }
         }
+    }
+}
+
+/// The word at the start of a text that begins with a letter, if it says something about the path, and its length.
+fn word_at_start(text: &str) -> Result<(Option<Word>, usize), ProgramFaultKind> {
+    let letter = text.as_bytes()[0].to_ascii_uppercase() as char;
+    let after = text[1..].trim_start();
+    // A program may have a name: O<PART>. With more behind it, it is LinuxCNC's call of a subprogram.
+    if letter == 'O' && after.starts_with('<') && after.trim_end().ends_with('>') {
+        return Ok((None, text.len()));
+    }
+    if after.starts_with(['#', '[', '<']) {
+        return Err(ProgramFaultKind::Macro);
+    }
+    // Siemens allows X=40 for X40.
+    let after = after.strip_prefix('=').map_or(after, str::trim_start);
+    match number_at_start(after) {
+        (Some(value), length) => Ok((Some(Word { letter, value }), text.len() - after.len() + length)),
+        (None, _) => named(text).ok_or_else(|| kind_of_text(text)),
+    }
+}
+
+/// Siemens' names of what sets how exactly the control follows the path, defines a variable, or is for the operator.
+const NAMES: [&str; 25] = [
+    "ADIS",
+    "ADISPOS",
+    "BRISK",
+    "CFC",
+    "CFIN",
+    "CFTCP",
+    "COMPCAD",
+    "COMPCURV",
+    "COMPOF",
+    "COMPON",
+    "COMPSURF",
+    "CTOL",
+    "CYCLE832",
+    "FFWOF",
+    "FFWON",
+    "GROUP_BEGIN",
+    "GROUP_END",
+    "KONT",
+    "MSG",
+    "NORM",
+    "OTOL",
+    "SOFT",
+    "STOPRE",
+    "TRAFOOF",
+    "WORKPIECE",
+];
+
+/// The word that a name at the start stands for, if any, and the length of the name with what belongs to it: arguments in
+/// parentheses, or a value after `=`. `None` for other names.
+fn named(text: &str) -> Option<(Option<Word>, usize)> {
+    let name_at_start = |text: &str| text.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
+    let name = name_at_start(text);
+    let behind = text[name..].trim_start();
+    let value = behind.strip_prefix('=').map(str::trim_start);
+    let with = |behind: &str, length: usize| text.len() - behind.len() + length;
+    match (text[..name].to_ascii_uppercase().as_str(), value) {
+        // A tool by its name has no number.
+        ("T", Some(value)) if value.starts_with('"') => {
+            Some((Some(Word { letter: 'T', value: 0.0 }), with(value, value[1..].find('"')? + 2)))
+        }
+        ("CR", Some(value)) => {
+            let (radius, length) = number_at_start(value);
+            Some((Some(Word { letter: 'R', value: radius? }), with(value, length)))
+        }
+        ("SUPA", None) => Some((Some(Word { letter: 'G', value: 53.0 }), name)),
+        ("DEF", None) => Some((None, text.len())),
+        // Without arguments they end what they began.
+        ("TRANS" | "ROT" | "SCALE" | "MIRROR", None) if behind.is_empty() => Some((None, text.len())),
+        ("CYCLE800", None) if behind.starts_with("()") => Some((None, with(behind, 2))),
+        // A variable is not followed: an axis that it moves is at an unknown value.
+        (letter, Some(value)) if letter.len() == 1 && value.starts_with('_') => {
+            Some((Some(Word { letter: letter.chars().next()?, value: f64::NAN }), with(value, name_at_start(value))))
+        }
+        (known, Some(value)) if known.starts_with('_') || NAMES.contains(&known) => Some((None, with(value, number_at_start(value).1))),
+        (known, None) if NAMES.contains(&known) => {
+            let arguments = behind.starts_with('(').then(|| behind.find(')')).flatten();
+            Some((None, arguments.map_or(name, |end| with(behind, end + 1))))
+        }
+        _ => None,
     }
 }
 

@@ -6,7 +6,7 @@ use std::fmt;
 /// The dialects that are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dialect {
-    /// G-code of LinuxCNC, Fanuc, Haas, GRBL, and Siemens in ISO mode.
+    /// G-code of LinuxCNC, Fanuc, Haas, GRBL and Siemens.
     GCode,
     /// APT and cutter location files: GOTO, RAPID, FEDRAT.
     Apt,
@@ -92,6 +92,8 @@ pub enum ProgramFaultKind {
     InverseTimeFeed,
     /// Feed per revolution without a spindle speed.
     FeedPerRevolution,
+    /// Feeds in inches where no unit of the coordinates is stated.
+    UnknownUnit,
     /// A motion of the rotary or secondary linear axes A, B, C, U, V, W.
     Axis,
     /// An arc whose centre or radius does not fit its ends, or has none.
@@ -132,6 +134,7 @@ impl fmt::Display for ProgramFault {
             ProgramFaultKind::Spline => "is a spline, which is not followed",
             ProgramFaultKind::InverseTimeFeed => "asks for inverse time feed, which is not read",
             ProgramFaultKind::FeedPerRevolution => "states a feed per revolution, but no spindle speed is known",
+            ProgramFaultKind::UnknownUnit => "is in inches, and no UNITS statement before it says what the coordinates are in",
             ProgramFaultKind::Axis => "moves an axis other than X, Y and Z",
             ProgramFaultKind::Arc => "is an arc whose centre or radius does not fit its ends",
             ProgramFaultKind::UnknownPosition => "cuts before X, Y and Z are all known",

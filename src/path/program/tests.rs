@@ -51,6 +51,18 @@ fn programs_are_read_as_their_controls_run_them() {
         ("G0 X0 Y0 Z1\nG53 G0 Z0\nZ2", "?0,0,1 ?0,0,2"),
         ("T1 M6\nG0 X0 Y0 Z1\nX1\nT2 M6\nG0 X5\nX6", "?0,0,1 r1,0,1 ?5,0,1 r6,0,1"),
         ("G0 X0 Y0 Z0\nG1 X1\nG1", "?0,0,0 f1,0,0"),
+        // Smoothing, look-ahead and offsets of Fanuc and Haas, functions of the machine, a rotary axis at zero, a named program.
+        ("O<PART>\nG5.1 Q1 R1\nG0 X0 Y0 Z1\nG5.1 Q1 X0 Y0 Z0\nG5 P10000\nG1 X1 F9\nG5 P0\nG5.1 Q0", "?0,0,1 f1,0,1@9"),
+        ("G8 P1\nG103 P1\nG187 P3 E0.01\nG154 P2\nG0 X0 Y0 Z1 A0. B-0\nG1 X1 F9\nG28 G91 A0", "?0,0,1 f1,0,1@9"),
+        ("M11\nM10 M34 M88\nG0 X0 Y0 Z1\nM13 S900\nM83\nX1", "?0,0,1 r1,0,1"),
+        // Siemens: values after `=`, tools by name, what sets the control, machine coordinates, frames ended.
+        ("%_N_A_MPF\n;$PATH=/_N_WKS_DIR\nN1 G17 G90 G71 G505 T=\"BALL 6\" D1\nN2 M6\nG0 X=1 Y = 2 Z=+3\nG1 X-1 F=9", "?1,2,3 f-1,2,3@9"),
+        ("CYCLE832(0.01,1,1)\nFFWON SOFT\nCOMPCAD G642 ADIS=0.01 G0 X0 Y0 Z1\nMSG(\"G1 X5\")\nTRANS\nCYCLE800()\nX1", "?0,0,1 r1,0,1"),
+        (
+            "DEF REAL _X_HOME, _TOL\n_X_HOME=-350 _TOL = 0.01\nCYCLE832(_TOL,_FINISH,1)\nG0 X0 Y0 Z1\nSUPA G0 X=_X_HOME C=_X_HOME D1\nX2",
+            "?0,0,1 ?2,0,1",
+        ),
+        ("G710\nG0 X0 Y0 Z1\nSUPA G0 Z0 D0\nG0 Z2\nG1 X1 F9", "?0,0,1 ?0,0,2 f1,0,2@9"),
         ("G0 X0 Y0 Z0 G1 X1 F1", "!conflict"),
         ("G0 X0 Y0 Z0\nG1 F1 X1 Y\u{31}", "?0,0,0 f1,1,0@1"),
         ("G0 X0 Y0 Z0\nM98\n", "!macro"),
@@ -82,6 +94,19 @@ fn what_is_not_followed_is_refused_with_its_line() {
         ("G81 X1 Z-5 R1 F10", F::Cycle),
         ("G83 X1 Z-5 R1 Q1 F10", F::Cycle),
         ("CYCLE800(1)", F::Cycle),
+        ("TRANS Z5", F::Transformation),
+        ("R1=5", F::Macro),
+        ("G1 X=R1", F::Number),
+        ("G1 X=_X_HOME", F::Macro),
+        ("G1 X1 F=_FEED", F::Macro),
+        ("T=\"BALL", F::Number),
+        ("G70", F::UnknownWord),
+        ("O<part> CALL", F::Macro),
+        ("G5 X1 Y1 I1 J1 P1 Q1", F::Spline),
+        ("G2 X10 I5 P2", F::Arc),
+        ("G0 B-0.5", F::Axis),
+        ("G53 G0 A90", F::Axis),
+        ("4 L X+10 Y+10 R0 FMAX", F::Heidenhain),
         ("G5 X1 Y1 I1 J1", F::Spline),
         ("G5.1 X1 Y1", F::Spline),
         ("G65 P9000", F::Macro),
@@ -114,8 +139,13 @@ fn what_is_not_followed_is_refused_with_its_line() {
         let faults = read(&format!("{start}{text}"), &SETTINGS).expect_err(text);
         assert!(faults.iter().any(|fault| fault.kind == kind && fault.line == 2), "{text}: {faults:?}");
     }
-    let heidenhain = read("BEGIN PGM 1 MM\nTOOL CALL 1 Z S1000\nL Z+100 FMAX", &SETTINGS).unwrap_err();
-    assert_eq!((heidenhain[0].kind, heidenhain[0].line), (F::Heidenhain, 1));
+    // A program in another language has one fault.
+    for text in
+        ["BEGIN PGM 1 MM\nTOOL CALL 1 Z S1000\nL Z+100 FMAX", "0 BEGIN PGM 1 MM\n1 BLK FORM 0.1 Z X+0 Y+0 Z-20\n2 L Z+100 R0 FMAX M3"]
+    {
+        let heidenhain = read(text, &SETTINGS).unwrap_err();
+        assert_eq!((heidenhain.len(), heidenhain[0].kind, heidenhain[0].line), (1, F::Heidenhain, 1));
+    }
     assert_eq!(read("G1 X1 F10", &SETTINGS).unwrap_err()[0].kind, F::UnknownPosition);
     assert_eq!(read("X1 Y1 Z1", &SETTINGS).unwrap_err()[0].kind, F::UnknownWord);
     assert_eq!(read("M30", &SETTINGS).unwrap_err()[0].kind, F::Empty);
@@ -172,6 +202,12 @@ fn apt_and_columns_are_read() {
         ("$$ a file\nFROM/0,0,5\nFEDRAT/ 50.0, MMPM\nGOTO/ 1.0, $\n 2.0, 3.0", "?0,0,5 f1,2,3@50"),
         ("SPINDL/1000,RPM,CLW\nFEDRAT/0.1,MMPR\nGOTO/0,0,1\nGOTO/1,0,1", "?0,0,1 f1,0,1@100"),
         ("LOADTL/3\nGOTO/0,0,1\nCOOLNT/ON\nGOTO/2,0,1", "?0,0,1 f2,0,1"),
+        (
+            "TOOL PATH/CONTOUR,TOOL,BALL_6\nTLDATA/MILL,6.0,3.0,75.0,0.0,0.0\nMSYS/0,0,0,1,0,0,0,1,0\n$$ centerline data\nPAINT/PATH\nLOADTL/1\n\
+             SPINDL/RPM,12000\nRAPID\nGOTO/0,0,5,0,0,1\nPAINT/COLOR,42\nFEDRAT/MMPM,250.0\nGOTO/0,0,1\nEND-OF-PATH",
+            "?0,0,5 f0,0,1@250",
+        ),
+        ("UNITS/INCHES\nFEDRAT/10,IPM\nCUTCOM/OFF\nGOTO/0,0,1\nGOTO/1,0,1", "?0,0,25.4 f25.4,0,25.4@254"),
         ("x,y,z\n0,0,1\n1,0,1\n", "?0,0,1 f1,0,1"),
         ("0;0;1;500\n1;0;1;500\n", "?0,0,1 f1,0,1@500"),
         ("# tips\n0\t0\t1\n2\t0\t1", "?0,0,1 f2,0,1"),
@@ -183,6 +219,9 @@ fn apt_and_columns_are_read() {
         ("GOTO/0,0,1\nCIRCLE/0,5,0,0,0,1,3\nGOTO/5,5,1", ProgramFaultKind::Arc),
         ("GOTO/0,0,1\nCIRCLE/0,5,0,0,0.6,0.8,5\nGOTO/5,5,1", ProgramFaultKind::Arc),
         ("GOTO/0,0,1\nCYCLE/DRILL,5\n", ProgramFaultKind::Cycle),
+        ("GOTO/0,0,1\nCUTCOM/LEFT\n", ProgramFaultKind::Transformation),
+        ("MSYS/0,0,0,1,0,0,0,1,0\nMSYS/0,0,5,1,0,0,0,1,0\nGOTO/0,0,1", ProgramFaultKind::Transformation),
+        ("GOTO/0,0,1\nFEDRAT/10,IPM\nGOTO/1,0,1", ProgramFaultKind::UnknownUnit),
         ("GOTO/0,0,1\nGOTO/0,0\n", ProgramFaultKind::Number),
         ("GOTO/0,0,1\nGOTO/0,0,1,0.5,0,0.866\n", ProgramFaultKind::Axis),
         ("GOTO/0,0,1\nWIBBLE/1\n", ProgramFaultKind::UnknownWord),
@@ -283,6 +322,7 @@ fn new_feeds_change_nothing_but_feed_words() {
         ("G0 X0 Y0 Z5\nG1 Z0 F100.\nX10\n", 500.0, "G0 X0 Y0 Z5\nG1 Z0 F500.\nX10\n"),
         ("S1000 G95\nG0 X0 Y0 Z1\nG1 X1 F0.1", 250.0, "S1000 G95\nG0 X0 Y0 Z1\nG1 X1 F0.25"),
         ("%\nO1\nG0 X0 Y0 Z5\nG1 Z0 F500.\nG2 X0 Y0 I5\nM30\n%", 500.0, "%\nO1\nG0 X0 Y0 Z5\nG1 Z0 F500.\nG2 X0 Y0 I5\nM30\n%"),
+        ("G0 X=0 Y=0 Z=5\nFFWON\nG1 Z=0 F=100 SOFT", 500.0, "G0 X=0 Y=0 Z=5\nFFWON\nG1 Z=0 F500 SOFT"),
         ("0;0;1;500\n1;0;1;500\n", 321.0, "0;0;1;500\n1;0;1;321\n"),
         ("GOTO/0,0,1\nGOTO/1,0,1\nGOTO/2,0,1\n", 300.0, "GOTO/0,0,1\nFEDRAT/300,MMPM\nGOTO/1,0,1\nGOTO/2,0,1\n"),
     ] {

@@ -279,7 +279,7 @@ fn scan(block: &str) -> (Option<FeedWord>, usize) {
             b'F' | b'f' => {
                 let from = at;
                 at += 1;
-                while bytes.get(at).is_some_and(|byte| matches!(byte, b' ' | b'\t')) {
+                while bytes.get(at).is_some_and(|byte| matches!(byte, b' ' | b'\t' | b'=')) {
                     at += 1;
                 }
                 let first = at;
