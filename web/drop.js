@@ -1,7 +1,7 @@
 // A file that is dropped anywhere on the page, and the view that it is for.
 
 const LIBRARY = /\.(json|tools|fctb|tooldb)$/i;
-const PROGRAM = /\.(nc|ngc|gcode|g|tap|cnc|mpf|eia|apt|cls|cl)$/i;
+const PROGRAM = /\.(nc|ngc|gcode|g|tap|cnc|mpf|spf|min|eia|iso|ptp|h|apt|aptsource|cls|cl|ncl)$/i;
 const TABLE = /\.(csv|tsv|txt)$/i;
 const HEAD_BYTES = 4096;
 
@@ -14,7 +14,7 @@ export async function kindOf(file) {
   const header = (head[0] ?? '').toLowerCase();
   if (/\btype\b|tool_type|tool type|\bkind\b/.test(header)) return 'library';
   if (/slope|feed_angle|\bnx\b|normal_x/.test(header)) return 'contacts';
-  return /^(%|o\d|[gn]\d|\()/i.test(head[0] ?? '') ? 'program' : 'surface';
+  return /^(%|o\d|[gn]\d|\(|\$\$|partno)/i.test(head[0] ?? '') ? 'program' : 'surface';
 }
 
 /** Calls `take(kind, files)` for files that are dropped on the page, files of one kind together. */

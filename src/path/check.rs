@@ -100,7 +100,8 @@ impl PathLengths {
         assert!(feeds.len() >= moves.len(), "a move has no feed rate");
         let of = |rapid: bool| {
             let chosen = moves.iter().filter(|each| (each.kind == MoveKind::Rapid) == rapid);
-            chosen.map(|each| length(difference(each.to, each.from))).sum()
+            // A sum of nothing would be -0.0.
+            chosen.map(|each| length(difference(each.to, each.from))).fold(0.0, |sum, length| sum + length)
         };
         let timed = moves.iter().zip(feeds).map(|(each, feed)| TimedMove {
             from: each.from,

@@ -61,15 +61,17 @@ pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
     let (mut millimetres, mut feed, mut spindle, mut tool, mut rapid, mut is_new) = (1.0, None, None, 0, false, true);
     let mut lines = text.lines().zip(1_u32..);
     while let Some((line, number)) = lines.next().filter(|_| !collected.is_full()) {
-        // A statement goes on in the next line after a single $.
-        let mut statement = without_comment(line).to_owned();
-        while statement.trim_end().ends_with('$') {
-            statement.truncate(statement.trim_end().len() - 1);
+        // A statement goes on in the next line after a single $, and so does a comment.
+        let is_comment = line.trim_start().starts_with("$$");
+        let part = |line| if is_comment { line } else { without_comment(line) };
+        let mut statement = part(line).trim_end().to_owned();
+        while statement.ends_with('$') && !statement.ends_with("$$") {
+            statement.pop();
             let Some((next, _)) = lines.next() else { break };
-            statement.push_str(without_comment(next));
+            statement.push_str(part(next).trim_end());
         }
         let statement = statement.trim().to_ascii_uppercase();
-        if statement.is_empty() {
+        if statement.is_empty() || is_comment {
             continue;
         }
         let (word, rest) = statement.split_once('/').unwrap_or((&statement, ""));

@@ -200,6 +200,7 @@ fn apt_and_columns_are_read() {
         ("PARTNO A\nFEDRAT/100,MMPM\nRAPID\nGOTO/0,0,5\nGOTO/0,0,0\nGOTO/1,0,0,0,0,1\nFINI", "?0,0,5 f0,0,0@100 f1,0,0@100"),
         ("UNITS/INCHES\nGOTO/0,0,1\nRAPID\nGOTO/1,0,1", "?0,0,25.4 r25.4,0,25.4"),
         ("$$ a file\nFROM/0,0,5\nFEDRAT/ 50.0, MMPM\nGOTO/ 1.0, $\n 2.0, 3.0", "?0,0,5 f1,2,3@50"),
+        ("$$-> CSYS / 1, 0, 0, 0, $\n 0, 1, 0, 0, $\n 0, 0, 1, 0\nGOTO / 1, $ $$ x\n 2, 3 $$\nGOTO/0,0,1", "?1,2,3 f0,0,1"),
         ("SPINDL/1000,RPM,CLW\nFEDRAT/0.1,MMPR\nGOTO/0,0,1\nGOTO/1,0,1", "?0,0,1 f1,0,1@100"),
         ("LOADTL/3\nGOTO/0,0,1\nCOOLNT/ON\nGOTO/2,0,1", "?0,0,1 f2,0,1"),
         (
