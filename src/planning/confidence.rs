@@ -144,6 +144,8 @@ pub enum SurfaceWeakness {
     SharpCorners,
     /// A part of the path has no feed rate and is timed at the machine's. Figure: its share of the length.
     AssumedPathFeed,
+    /// The path misses most of the surface, or cuts into most of it. Figure: that share of the area.
+    PathMisplaced,
     /// The machine has no path tolerance: corners between stops take no time. Figure: the moves from stop to stop.
     CornersNotTimed,
 }
@@ -211,6 +213,11 @@ impl fmt::Display for Reason<SurfaceWeakness> {
             SurfaceWeakness::AssumedPathFeed => {
                 write!(f, "{:.2} % of the length has no feed rate and is timed at the machine's", 100.0 * figure)
             }
+            SurfaceWeakness::PathMisplaced => write!(
+                f,
+                "{:.1} % of the area is cut into or missed by the path: its zero point, its unit, its cutter or tip may be another",
+                100.0 * figure
+            ),
             SurfaceWeakness::CornersNotTimed => write!(
                 f,
                 "{figure:.0} moves from stop to stop on average, between which the control slows down in no corner; state path_tolerance_mm of the machine"
@@ -228,6 +235,8 @@ pub struct PathEvidence {
     pub tolerance: Length,
     /// The share of the length of the moves at the feed rate for which the path states no feed rate.
     pub assumed_feed_share: f64,
+    /// The share of the area over which no move comes, or which the path cuts into.
+    pub missed_or_cut_share: f64,
     /// The moves at the feed rate from stop to stop, on average, on a control without a path tolerance; 0 with one.
     pub moves_without_corners: f64,
 }
@@ -236,11 +245,13 @@ impl Confidence<SurfaceWeakness> {
     /// The confidence in the check of a path.
     #[must_use]
     pub fn in_path(evidence: &PathEvidence) -> Self {
-        let PathEvidence { surface, tolerance, assumed_feed_share, moves_without_corners } = *evidence;
+        let PathEvidence { surface, tolerance, assumed_feed_share, missed_or_cut_share, moves_without_corners } = *evidence;
         let reasons = [
             Reason::over(SurfaceWeakness::InconsistentOrientation, surface.turned_area_share, 0.001, 0.05),
             Reason::missing_area(SurfaceWeakness::NotClosed, surface.missing_area, tolerance),
             Reason::over(SurfaceWeakness::HiddenArea, surface.hidden_area_share, 0.001, 0.1),
+            // A path over a small part of a surface is meant so more often than one over hardly any of it.
+            Reason::over(SurfaceWeakness::PathMisplaced, missed_or_cut_share, 0.5, 0.95),
             Reason::over(SurfaceWeakness::AssumedPathFeed, assumed_feed_share, 0.01, f64::INFINITY),
             // A move and the two about it are a pass with its links.
             Reason::over(SurfaceWeakness::CornersNotTimed, moves_without_corners, 3.0, f64::INFINITY),
@@ -259,11 +270,12 @@ mod tests {
             surface: SurfaceEvidence { missing_area: 0.005, ..SurfaceEvidence::default() },
             tolerance: Length::computed(0.01),
             assumed_feed_share: 0.0,
+            missed_or_cut_share: 0.5,
             moves_without_corners: 0.0,
         };
         assert_eq!(Confidence::in_path(&sound).level(), Level::High);
         let surface = SurfaceEvidence { hidden_area_share: 0.02, turned_area_share: 0.2, missing_area: 0.5, ..sound.surface };
-        let doubtful = PathEvidence { surface, moves_without_corners: 40.0, ..sound };
+        let doubtful = PathEvidence { surface, missed_or_cut_share: 0.9, moves_without_corners: 40.0, ..sound };
         let confidence = Confidence::in_path(&doubtful);
         assert_eq!(confidence.level(), Level::Low);
         let weaknesses: Vec<SurfaceWeakness> = confidence.reasons().iter().map(|reason| reason.weakness).collect();
@@ -273,6 +285,7 @@ mod tests {
                 SurfaceWeakness::InconsistentOrientation,
                 SurfaceWeakness::NotClosed,
                 SurfaceWeakness::HiddenArea,
+                SurfaceWeakness::PathMisplaced,
                 SurfaceWeakness::CornersNotTimed
             ]
         );

@@ -106,14 +106,15 @@ async fn map_and_passes_are_included_on_request() {
 async fn a_plan_is_written_as_a_program_that_the_service_reads() {
     let app = TestApp::start().await;
     let cutter = json!({"name": "B8", "type": "ball_end", "diameter_mm": 8, "teeth": 2, "spindle_speed_rpm": 9000});
-    let asked = json!({"cutters": [cutter], "include": ["passes", "program"], "max_uncut_share": 1, "program": {"unit": "inch", "number_lines": true, "decimals": 6, "header": ["(part 7)"], "footer": ["G28"], "tool": 12, "coolant": true, "tool_length_offset": true}});
+    let asked = json!({"cutters": [cutter], "include": ["passes", "program"], "max_uncut_share": 1, "program": {"unit": "inch", "number_lines": true, "decimals": 6, "header": ["(part 7)"], "footer": ["G28"], "tool": 12, "coolant": true, "tool_length_offset": true, "origin_mm": [-8, 2.5, 40]}});
     let answer = app.recommend(&with(with(simulated(), grid()), asked)).await.ok();
     let text = answer["program"]["text"].as_str().unwrap();
     let begin: Vec<&str> = text.lines().take(6).collect();
     assert_eq!(begin, ["%", "N10 (part 7)", "N20 G17 G20 G90 G94", "N30 (B8)", "N40 T12 M6", "N50 S9000 M3"]);
     assert!(text.contains(" M8\n") && text.contains(" G28\n") && text.contains(" G43 H12 Z"), "{text}");
     let job = json!({"cutter": {"type": "ball_end", "diameter_mm": 8}, "scallop_height_mm": 0.01, "machine": {"preset": "five_axis_vmc"}});
-    let of_program = with(with(job.clone(), grid()), json!({"path": {"program": text.replace(" G28\n", " M9\n")}}));
+    let of_program =
+        with(with(job.clone(), grid()), json!({"path": {"program": text.replace(" G28\n", " M9\n")}, "origin_mm": [-8, 2.5, 40]}));
     let passes = &answer["passes"];
     let rapid: Vec<usize> = (1..passes["move"].as_array().unwrap().len()).filter(|index| passes["move"][*index] == "rapid").collect();
     let of_tips = with(with(job, grid()), json!({"path": {"tip_mm": passes["tip_mm"], "rapid": rapid}}));
@@ -124,10 +125,19 @@ async fn a_plan_is_written_as_a_program_that_the_service_reads() {
     }
     assert_relative_eq!(figure(&program, "/cutting_length_mm"), figure(&tips, "/cutting_length_mm"), max_relative = 1e-4);
     assert_relative_eq!(figure(&program, "/rapid_length_mm"), figure(&tips, "/rapid_length_mm"), max_relative = 1e-4);
-    let faulty = json!({"program": {"decimals": 9, "coolant": 1, "header": ["a\nb"]}});
+    // Without its zero point it is not where the part is.
+    let misplaced = app.answer("/v1/path-check", &with(of_program, json!({"origin_mm": [0, 0, 0]}))).await;
+    assert_eq!(misplaced["confidence"]["reasons"][0]["code"], "path-misplaced", "{}", misplaced["confidence"]);
+    assert_eq!(misplaced["confidence"]["level"], "low");
+    assert!(!program["confidence"].to_string().contains("path-misplaced"));
+    let faulty = json!({"program": {"decimals": 9, "coolant": 1, "header": ["a\nb"], "origin_mm": [0, "a", 1]}});
     let faults = app.recommend(&with(with(simulated(), grid()), faulty)).await;
-    let mut expected =
-        vec![("/program/decimals", "out-of-range"), ("/program/coolant", "wrong-type"), ("/program/header/0", "out-of-range")];
+    let mut expected = vec![
+        ("/program/decimals", "out-of-range"),
+        ("/program/coolant", "wrong-type"),
+        ("/program/header/0", "out-of-range"),
+        ("/program/origin_mm/1", "wrong-type"),
+    ];
     expected.sort_unstable();
     let (status, mut found) = faults.faults();
     found.sort_unstable();

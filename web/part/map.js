@@ -75,7 +75,7 @@ export class PartMap {
 
   // The moves of the program, read when they are first drawn.
   get #path() {
-    if (this.#shown.program) this.#shown.path ??= movesOf(this.#shown.program);
+    if (this.#shown.program) this.#shown.path ??= movesOf(this.#shown.program, this.#shown.origin);
     return this.#shown.path;
   }
 

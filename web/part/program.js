@@ -3,8 +3,8 @@
 
 const INCH = 25.4;
 
-/** The moves of `text` as {x, y, z, isRapid, operation, count}: positions in mm in the order of the program, each with the number of tool calls before it, less one. */
-export function movesOf(text) {
+/** The moves of `text` as {x, y, z, isRapid, operation, count}: positions in mm in the order of the program, each with the number of tool calls before it, less one; the zero point of the program is at `origin`. */
+export function movesOf(text, origin = [0, 0, 0]) {
   const most = text.split('\n').length;
   const [x, y, z, isRapid, operation] = [new Float32Array(most), new Float32Array(most), new Float32Array(most), new Uint8Array(most), new Uint8Array(most)];
   const factor = /^.*\bG20\b/m.test(text.slice(0, 400)) ? INCH : 1;
@@ -23,7 +23,7 @@ export function movesOf(text) {
       }
     }
     if (!moved || at.X === null || at.Y === null || at.Z === null) continue;
-    [x[count], y[count], z[count], isRapid[count], operation[count]] = [at.X, at.Y, at.Z, rapid, Math.max(0, calls - 1)];
+    [x[count], y[count], z[count], isRapid[count], operation[count]] = [at.X + origin[0], at.Y + origin[1], at.Z + origin[2], rapid, Math.max(0, calls - 1)];
     count += 1;
   }
   return { x, y, z, isRapid, operation, count };

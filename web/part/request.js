@@ -30,6 +30,22 @@ const REST = 'rest_of_';
 /** The fields of the cutter before. */
 export const REST_NAMES = ['type', ...SHAPE_NAMES].map((name) => REST + name);
 
+/** The fields of a program's zero point, whose names begin with `prefix`. */
+export function originFields(prefix = '') {
+  return ['x', 'y', 'z'].map((axis) => ({ name: `${prefix}origin_${axis}_mm`, optional: '0' }));
+}
+
+/** The values of these fields for a zero point. */
+export function originValues(origin = []) {
+  return Object.fromEntries(originFields().map(({ name }, i) => [name, origin[i]]));
+}
+
+/** The zero point that these fields state, if one does. */
+export function originOf(values, prefix = '') {
+  const origin = originFields(prefix).map(({ name }) => values[name]);
+  return origin.some((side) => side !== undefined) ? origin.map((side) => side ?? 0) : undefined;
+}
+
 export const FIELDS = [
   { name: 'example', label: 'Surface', help: 'Your own file, or an example to try the page with.', choices: [['file', 'A file'], ...EXAMPLES.map(([name, label]) => [name, label])], value: 'grooved' },
   { name: 'unit', choices: UNITS, value: '' },
@@ -66,6 +82,7 @@ export const FIELDS = [
   { name: 'program_tool', optional: '1' },
   { name: 'program_number_lines', label: 'Block numbers', help: 'N words at each block.', choices: [['no', 'No'], ['yes', 'N words']], value: 'no' },
   { name: 'program_tool_length_offset', label: 'Length offset', help: 'G43 H at the first Z after each tool call; for controls whose tool call does not set the length.', choices: [['no', 'No'], ['yes', 'G43 H']], value: 'no' },
+  ...originFields('program_'),
   { name: 'program_coolant', label: 'Coolant', help: 'M8 after the spindle starts.', choices: [['no', 'Off'], ['yes', 'M8']], value: 'no' },
   { name: 'program_spindle_speed_rpm', optional: 'cutter’s' },
   { name: 'program_header', text: 'lines', optional: '(PART 4711)' },
@@ -111,6 +128,7 @@ export function programOf(values) {
     tool: values.program_tool,
     number_lines: values.program_number_lines === 'yes' || undefined,
     tool_length_offset: values.program_tool_length_offset === 'yes' || undefined,
+    origin_mm: originOf(values, 'program_'),
     coolant: values.program_coolant === 'yes' || undefined,
     spindle_speed_rpm: values.program_spindle_speed_rpm,
     header: linesOf(values.program_header),
@@ -183,6 +201,8 @@ export function fieldNameOf(pointer) {
   if (/^\/directions_deg/.test(pointer)) return 'directions_deg';
   const rest = /^\/rest_of\/cutter\/(\w+)/.exec(pointer);
   if (rest) return REST + rest[1];
+  const origin = /^\/program\/origin_mm(?:\/(\d))?/.exec(pointer);
+  if (origin) return `program_origin_${'xyz'[origin[1] ?? 0]}_mm`;
   const program = /^\/program\/(\w+)/.exec(pointer);
   if (program) return `program_${program[1]}`;
   return pointer.split('/').at(-1);

@@ -16,7 +16,7 @@ import { EXAMPLES } from './examples.js';
 import { KeptPlans } from './kept.js';
 import { PartMap } from './map.js';
 import { cuttersByNumber, operationKeys, severalOf } from './operations.js';
-import { CUTTERS, FIELDS, INCH_CUTTERS, PROGRAM, REST_NAMES, SELECTION, fieldNameOf, parametersOf, programOf } from './request.js';
+import { CUTTERS, FIELDS, INCH_CUTTERS, PROGRAM, REST_NAMES, SELECTION, fieldNameOf, originValues, parametersOf, programOf } from './request.js';
 import { alone, compose, curlOf, send, stlOf } from './sending.js';
 import { ToleranceSlider } from './slider.js';
 import { showSheet } from './sheet.js';
@@ -296,7 +296,7 @@ export class PartView {
       program: new File([this.#plan.program.text], this.#programName),
       text: this.#plan.program.text,
       surface: example === 'file' ? file : null,
-      values: { example, unit, facing, teeth: undefined, spindle_speed_rpm: undefined, max_feed_per_tooth_mm: undefined, ...valuesOfCutter(cutter), tip: 'lowest_point', tolerance_form: 'height', scallop_tolerance_mm: heightOf(parameters), machine: machine.preset ?? '', machine_feed_rate_mm_min: machine.feed_rate_mm_min, path_tolerance_mm: machine.path_tolerance_mm },
+      values: { example, unit, facing, teeth: undefined, spindle_speed_rpm: undefined, max_feed_per_tooth_mm: undefined, ...valuesOfCutter(cutter), tip: 'lowest_point', ...originValues(this.#plan.options?.origin_mm), tolerance_form: 'height', scallop_tolerance_mm: heightOf(parameters), machine: machine.preset ?? '', machine_feed_rate_mm_min: machine.feed_rate_mm_min, path_tolerance_mm: machine.path_tolerance_mm },
       given: { select, max_slope_deg: maxSlope, machine, cutters },
     } });
   }
@@ -598,7 +598,7 @@ export class PartView {
     const isPlan = map.scallop_height_mm !== undefined;
     const caption = isPlan ? `${plan}.` : `${nameOf(named)}${uncut}: where it does not fit.`;
     const shown = {
-      tolerance: heightOf(parameters), direction: several ? undefined : direction, program, operations: several ? operationKeys(several) : undefined, cutter: parameters.cutters?.[cutter],
+      tolerance: heightOf(parameters), direction: several ? undefined : direction, program, origin: parameters.program?.origin_mm, operations: several ? operationKeys(several) : undefined, cutter: parameters.cutters?.[cutter],
       file: stlOf(file, parameters.unit), box: parameters.select?.box_mm, layer: time === undefined || !isPlan ? 'uncut_mm' : undefined, caption,
       more: isPlan || time === undefined || !parameters.cutters?.[cutter] ? undefined : ['Show its plan, which sends the part again', () => this.#planOf(named)],
     };

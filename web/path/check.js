@@ -7,6 +7,7 @@ import { el } from '../dom.js';
 import { Form, placeFaults } from '../fields.js';
 import { EXAMPLES, fileOfSurface } from '../part/examples.js';
 import { PartMap } from '../part/map.js';
+import { originFields, originOf } from '../part/request.js';
 import { stlOf } from '../part/sending.js';
 import { get, upload, Unreachable } from '../service.js';
 import { arrangeTolerance, heightOf, toleranceFields, toleranceOf } from '../tolerance.js';
@@ -63,7 +64,7 @@ export class ProgramCheck {
     } },
     el('h2', {}, 'Part'), form.element('example'), drop('surface', 'check-surface', 'Choose the part'),
     el('div', { class: 'grid' }, form.elements('unit', 'facing')),
-    el('h2', {}, 'Program'), drop('program', 'check-program', 'Choose the program'), form.element('tip'),
+    el('h2', {}, 'Program'), drop('program', 'check-program', 'Choose the program'), form.element('tip'), el('div', { class: 'grid' }, form.elements(...originFields().map(({ name }) => name))),
     el('h2', {}, 'Cutter'), el('div', { class: 'grid' }, form.elements('type', ...SHAPE_NAMES, 'teeth', 'spindle_speed_rpm', 'max_feed_per_tooth_mm')),
     el('h2', {}, 'Finish and machine'), el('div', { class: 'grid' }, form.elements(...toleranceFields('scallop_tolerance_mm'), 'machine', 'machine_feed_rate_mm_min', 'path_tolerance_mm')),
     el('div', { class: 'actions' }, el('button', { type: 'submit', class: 'primary' }, 'Check the program'), el('button', { type: 'button', onclick: () => {
@@ -212,7 +213,7 @@ export class ProgramCheck {
     const map = this.#last?.map;
     this.#mapCard.hidden = !map;
     if (this.#mapCard.hidden) return;
-    this.#map.show(map, { tolerance: this.#tolerance(), places: this.#last.places, program: this.#plan, cutter: cutterOf(this.#form.values()), file: stlOf(this.#surface, this.#form.value('unit') || 'mm'), caption: 'What the program leaves, and its worst places.' });
+    this.#map.show(map, { tolerance: this.#tolerance(), places: this.#last.places, program: this.#plan, origin: originOf(this.#form.values()), cutter: cutterOf(this.#form.values()), file: stlOf(this.#surface, this.#form.value('unit') || 'mm'), caption: 'What the program leaves, and its worst places.' });
   }
 
   #showAnswer() {

@@ -2,7 +2,7 @@
 
 import { FIELDS_OF_SHAPES, cutterOf, fieldAt } from '../contact/request.js';
 import { EXAMPLES } from '../part/examples.js';
-import { UNITS } from '../part/request.js';
+import { UNITS, originFields, originOf } from '../part/request.js';
 import { CUTTER_TYPES } from '../terms.js';
 import { ROUGHNESS_FIELDS, toleranceOf } from '../tolerance.js';
 
@@ -18,6 +18,7 @@ export const FIELDS = [
   { name: 'spindle_speed_rpm', optional: 'S words' },
   { name: 'max_feed_per_tooth_mm', optional: 'no limit' },
   { name: 'tip', label: 'Program drives', help: 'The point of the cutter whose path the program states.', choices: [['lowest_point', 'Lowest point'], ['centre', 'Centre']], segmented: true, value: 'lowest_point' },
+  ...originFields(),
   { name: 'scallop_tolerance_mm', value: 0.01, inch: 0.01016 },
   ...ROUGHNESS_FIELDS,
   { name: 'machine', choices: [['five_axis_vmc', 'five_axis_vmc']], value: 'five_axis_vmc' },
@@ -38,6 +39,7 @@ export function parametersOf(values, given, text) {
     ...given,
     cutter: given.cutters ? undefined : { ...cutterOf(values), spindle_speed_rpm, max_feed_per_tooth_mm },
     tip: values.tip === 'centre' ? 'centre' : undefined,
+    origin_mm: originOf(values),
     ...toleranceOf(values, values.scallop_tolerance_mm),
     machine: { ...given.machine, preset: values.machine || undefined, feed_rate_mm_min: values.machine_feed_rate_mm_min, path_tolerance_mm: values.path_tolerance_mm },
     unit: (values.example === 'file' && values.unit) || undefined,
@@ -46,6 +48,6 @@ export function parametersOf(values, given, text) {
   }));
 }
 
-const FIELD_OF = { '/machine/preset': 'machine', '/machine/feed_rate_mm_min': 'machine_feed_rate_mm_min' };
+const FIELD_OF = { ...Object.fromEntries(originFields().map(({ name }, i) => [`/origin_mm/${i}`, name])), '/origin_mm': 'origin_x_mm', '/machine/preset': 'machine', '/machine/feed_rate_mm_min': 'machine_feed_rate_mm_min' };
 
 export const fieldNameOf = (pointer) => FIELD_OF[pointer] ?? fieldAt(pointer);

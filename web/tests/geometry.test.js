@@ -186,7 +186,8 @@ test('the selection is sent where it is stated, and its faults find their fields
   assert.deepEqual(parametersOf(values, []), { scallop_tolerance_mm: 0.01, machine: { preset: 'vmc' }, method: 'surface', pattern: 'zigzag', include: ['map', 'program'] });
   const { select } = parametersOf({ ...values, select_slope_to_deg: 30, box_min_y_mm: -5, pieces_selected: '0, 2 x' }, []);
   assert.deepEqual(select, { slope_deg: [0, 30], box_mm: { min: [-1e9, -5, -1e9], max: [1e9, 1e9, 1e9] }, pieces: [0, 2, 'x'] });
-  for (const [pointer, field] of [['/select/slope_deg', 'select_slope_to_deg'], ['/select/box_mm/min/2', 'box_min_z_mm'], ['/select/pieces/1', 'pieces_selected'], ['/scallop_tolerance_mm', 'tolerance_of_plan'], ['/machine/jerk_m_s3', 'jerk_m_s3'], ['/directions_deg/3', 'directions_deg']]) {
+  assert.deepEqual(parametersOf({ ...values, program_origin_z_mm: 5 }, []).program, { origin_mm: [0, 0, 5] });
+  for (const [pointer, field] of [['/program/origin_mm/2', 'program_origin_z_mm'], ['/select/slope_deg', 'select_slope_to_deg'], ['/select/box_mm/min/2', 'box_min_z_mm'], ['/select/pieces/1', 'pieces_selected'], ['/scallop_tolerance_mm', 'tolerance_of_plan'], ['/machine/jerk_m_s3', 'jerk_m_s3'], ['/directions_deg/3', 'directions_deg']]) {
     assert.equal(fieldNameOf(pointer), field);
   }
 });

@@ -52,6 +52,10 @@ test('the example path, a broken table and rows without an answer are shown for 
 test('a plan’s program is checked against its part, and a line that was changed by hand is found', async () => {
   const { page, watch } = await visit('#part?method=surface');
   await page.locator('#surface-file').setInputFiles(fileOf('slope.csv', `x,y,z\n${Array.from({ length: 400 }, (_, i) => [i % 20, Math.floor(i / 20), 3 * Math.sin((i % 20) / 9)].join(',')).join('\n')}\n`));
+  // The zero point of the program is a corner of the stock; the check takes it over.
+  await page.locator('#view-part summary').filter({ hasText: /^Program/ }).click();
+  await field(page, 'program_origin_x_mm').fill('19');
+  await field(page, 'program_origin_z_mm').fill('8');
   await page.getByRole('button', { name: 'Find the cutter' }).click();
   await page.locator('.ranking tbody tr').first().waitFor({ timeout: 60_000 });
   const program = await downloaded(page, () => page.getByRole('button', { name: 'Download program (G-code)' }).click());
@@ -60,6 +64,7 @@ test('a plan’s program is checked against its part, and a line that was change
   await page.locator('#view-part').getByRole('button', { name: 'Check the program' }).click();
   const answer = await (await checked).json();
   await page.locator('#path-check .verdict.pass').waitFor();
+  assert.deepEqual(await Promise.all(['x', 'y', 'z'].map((axis) => field(page, `origin_${axis}_mm`).inputValue())), ['19', '0', '8']);
   for (const name of ['machining_time_s', 'cutting_length_mm', 'moves']) assert.equal(await page.locator(`#path-check [data-figure="${name}"]`).getAttribute('value'), String(answer[name]), name);
   assert.match(await page.locator('#path-check .verdict').textContent(), /± [\d.]+ %/);
   // The program's own text comes back with new feeds.

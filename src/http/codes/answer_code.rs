@@ -76,6 +76,7 @@ codes! {
         OverTolerance = "over-tolerance": "Part of the area that the cutter reaches is left over the scallop height", "Look at the map of scallop heights; finish that part in a second operation.";
         SharpCorners = "sharp-corners": "The plan's time counts no stops in the sharp corners of its runs", "State path_tolerance_mm of the machine.";
         AssumedPathFeed = "assumed-path-feed": "Part of the path states no feed rate", "State the feed rates of the path.";
+        PathMisplaced = "path-misplaced": "The path cuts into most of the area, or misses it", "Check the path's zero point (origin_mm), the units, the cutter and tip; select the facets that the path is for.";
         CornersNotTimed = "corners-not-timed": "The machine has no path tolerance: corners of up to 45° take no time", "State path_tolerance_mm of the machine.";
         Gouge = "gouge": "The path cuts into the part", "Look at the passes near the deepest cut; export the surface with a finer tolerance.";
     }
@@ -84,7 +85,7 @@ codes! {
 same_names! {
     SurfaceWeakness => ConfidenceCode:
     NotMilled, OperationsNotPlanned, AssumedFeed, SmallLead, CoarseTessellation, SteepArea, HiddenArea, SeveralPieces, InconsistentOrientation, NotClosed,
-    OverTolerance, Gouge, SharpCorners, AssumedPathFeed, CornersNotTimed,
+    OverTolerance, Gouge, SharpCorners, AssumedPathFeed, PathMisplaced, CornersNotTimed,
 }
 
 same_names! {

@@ -11,12 +11,12 @@ use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, Flag, List, Members, Object, Quantity, Renamed, members};
 use crate::http::wire::{
-    CandidateKind, MACHINE, MachineKind, ROUGHNESS, RoughnessKind, SCALLOP_HEIGHT, SURFACE, SelectKind, SurfaceWithSource, UNIT, Warning,
-    answer, plan_tolerance,
+    CandidateKind, MACHINE, MachineKind, OnePoint, ROUGHNESS, RoughnessKind, SCALLOP_HEIGHT, SURFACE, SelectKind, SurfaceWithSource, UNIT,
+    Warning, answer, plan_tolerance,
 };
 use crate::milling::{Profile, ra_um};
 use crate::motion;
-use crate::path::program::{Dialect, with_feeds};
+use crate::path::program::{Dialect, ProgramPoint, with_feeds};
 use crate::path::{
     DropCutter, Finding, FindingKind, Finish, Left, Milled, Move, ON_EDGES, Passage, PathLengths, Place, Places, Reach, Residual,
     WithMarks, findings, idle_length,
@@ -71,6 +71,8 @@ members! {
         tip: optional TIP_POINT: Choice<TipPoint> = ("tip", Choice { name: Some("TipPoint"),
             words: &[("lowest_point", TipPoint::LowestPoint), ("centre", TipPoint::Centre)] },
             "the place of the cutter that the path states: its lowest point (default), or the point of the axis that is as high as the centre of the ball or of the corner, and for other shapes as that of the arc at the tip"),
+        origin: optional PATH_ORIGIN: OnePoint = ("origin_mm", OnePoint,
+            "where the path's zero point is in the coordinates of the surface, such as a corner of the stock; absent = at the zero point of the surface"),
         roughness: optional ROUGHNESS: RoughnessKind,
         tolerance: optional TOLERANCE: Quantity<Length> = ("scallop_tolerance_mm", Quantity::length(0.01),
             "the height that may be left"),
@@ -117,6 +119,7 @@ impl PathToCheck {
             cutter,
             cutters,
             tip,
+            origin,
             roughness,
             tolerance,
             scallop_height,
@@ -147,9 +150,11 @@ impl PathToCheck {
         let surface = MachinedFacets::new(mesh, unit, facing, &selection, max_slope, &stop);
         let surface = surface.map_err(|reason| report(reason, &at, faults))?;
         let ((cutters, mut path), machine, tolerance) = (path?, machine?, tolerance?.height);
-        if tip? == Some(TipPoint::Centre) {
-            for point in &mut path.program.points {
-                point.point[2] -= cutters.of_tool(point.tool).candidate.cutter.corner_radius().mm();
+        let (origin, is_centre) = (origin?.unwrap_or_default(), tip? == Some(TipPoint::Centre));
+        for ProgramPoint { point, tool, .. } in &mut path.program.points {
+            (0..3).for_each(|axis| point[axis] += origin[axis]);
+            if is_centre {
+                point[2] -= cutters.of_tool(*tool).candidate.cutter.corner_radius().mm();
             }
         }
         let check = Self { surface, cutters, tolerance, machine, path, include, old_feeds, warnings };
@@ -211,6 +216,7 @@ impl PathToCheck {
             surface: self.surface.evidence(),
             tolerance: self.tolerance,
             assumed_feed_share: path.assumed_feed_share(),
+            missed_or_cut_share: finish.uncut_share.value + finish.gouge_share.value,
             moves_without_corners: if self.machine.path_tolerance.is_some() { 0.0 } else { lengths.moves_per_run },
         });
         Some(PathCheckAnswer {

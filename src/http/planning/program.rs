@@ -2,8 +2,9 @@
 
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Components, Faulted, Faults, Flag, JsonPath, Kind, List, Quantity, Whole, describe, members, text};
-use crate::http::wire::{NamedCandidate, answer};
+use crate::http::wire::{NamedCandidate, OnePoint, answer};
 use crate::motion::Machine;
+use crate::numerics::vector::difference;
 use crate::path::Move;
 use crate::path::program::{Operation, WriteSettings, write_iso};
 use crate::planning::plan::Passes;
@@ -26,6 +27,7 @@ pub(super) struct ProgramOptions {
     spindle_speed: Option<SpindleSpeed>,
     coolant: bool,
     length_offset: bool,
+    origin: [f64; 3],
 }
 
 members! {
@@ -41,6 +43,8 @@ members! {
         spindle_speed: optional PROGRAM_SPEED: Quantity<SpindleSpeed> = ("spindle_speed_rpm", Quantity::new(SpindleSpeed::from_rpm, 10_000.0),
             "the spindle speed of the program; absent = the cutter's, at most the machine's; if neither is stated, the program has no S and no M3"),
         coolant: optional COOLANT: Flag = ("coolant", Flag, "whether coolant is on, M8; absent = false"),
+        origin: optional PROGRAM_ORIGIN: OnePoint = ("origin_mm", OnePoint,
+            "where the program's zero point is in the coordinates of the surface, such as a corner of the stock; absent = at the zero point of the surface"),
         length_offset: optional LENGTH_OFFSET: Flag = ("tool_length_offset", Flag,
             "whether the first Z after each tool call has G43 H with the tool's number; absent = false. Without it, a control whose tool call does not set the length moves the spindle's nose to where the tip should be"),
     }
@@ -48,7 +52,7 @@ members! {
 
 impl ProgramOptionMembers {
     fn build(self, _: &JsonPath<'_>, _: &mut Faults) -> Result<ProgramOptions, Faulted> {
-        let Self { unit, number_lines, decimals, header, footer, tool, spindle_speed, coolant, length_offset } = self;
+        let Self { unit, number_lines, decimals, header, footer, tool, spindle_speed, coolant, length_offset, origin } = self;
         Ok(ProgramOptions {
             inches: unit?.unwrap_or_default(),
             number_lines: number_lines?.unwrap_or_default(),
@@ -59,6 +63,7 @@ impl ProgramOptionMembers {
             spindle_speed: spindle_speed?,
             coolant: coolant?.unwrap_or_default(),
             length_offset: length_offset?.unwrap_or_default(),
+            origin: origin?.unwrap_or_default(),
         })
     }
 }
@@ -103,8 +108,9 @@ answer! {
 impl ProgramAnswer {
     /// The program of a path. Its operations have these cutters, numbered from the first tool's number on, each cutter once.
     pub(super) fn of(passes: &Passes, cutters: &[&NamedCandidate], machine: &Machine, options: &ProgramOptions) -> Option<Self> {
+        let tip = |index: usize| difference(passes.points[index].tip, options.origin);
         let moves: Vec<Move> =
-            passes.points.windows(2).map(|pair| Move { from: pair[0].tip, to: pair[1].tip, kind: pair[1].kind }).collect();
+            (1..passes.points.len()).map(|to| Move { from: tip(to - 1), to: tip(to), kind: passes.points[to].kind }).collect();
         let feed_rates: Vec<f64> = passes.points.iter().skip(1).map(|point| point.feed_rate.mm_min()).collect();
         let most = machine.max_spindle_speed.map_or(f64::INFINITY, SpindleSpeed::rpm);
         let starts = &passes.operation_starts;

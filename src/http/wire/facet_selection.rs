@@ -1,12 +1,10 @@
 //! The member `select`: which facets of a surface are machined.
 
-use super::surface::{point, point_schema};
+use super::surface::OnePoint;
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, List, Quantity, Whole, members};
+use crate::http::reading::{Faulted, Faults, JsonPath, List, Quantity, Whole, members};
 use crate::quantity::Angle;
 use crate::surface::mesh::{Selection, SelectionError};
-use serde_json::value::RawValue;
-use utoipa::openapi::{RefOr, Schema};
 
 /// The member of `select` that lists pieces. The fault of an unknown piece points to it.
 pub(crate) const PIECES_NAME: &str = PIECES.name;
@@ -61,28 +59,13 @@ fn pairs(ranges: &[Vec<u32>]) -> Vec<[u32; 2]> {
 members! {
     /// The corners of a box.
     pub(crate) struct Corners for BoxKind ("Box", "A box, given by two opposite corners") -> [[f64; 3]; 2] {
-        min: required MIN: Corner = ("min", Corner, "the smallest x, y and z"),
-        max: required MAX: Corner = ("max", Corner, "the largest x, y and z"),
+        min: required MIN: OnePoint = ("min", OnePoint, "the smallest x, y and z"),
+        max: required MAX: OnePoint = ("max", OnePoint, "the largest x, y and z"),
     }
 }
 
 impl Corners {
     fn build(self, _: &JsonPath<'_>, _: &mut Faults) -> Result<[[f64; 3]; 2], Faulted> {
         Ok([self.min?, self.max?])
-    }
-}
-
-/// The corner of a box.
-pub(crate) struct Corner;
-
-impl Kind for Corner {
-    type Value = [f64; 3];
-
-    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
-        point(raw, path, faults)
-    }
-
-    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
-        point_schema().description(Some(about)).into()
     }
 }

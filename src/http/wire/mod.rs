@@ -33,5 +33,5 @@ pub(crate) use machine_object::{CLEARANCE_HEIGHT, MACHINE, MAX_SPINDLE_SPEED, Ma
 pub(crate) use not_ranked::NotRanked;
 pub(crate) use roughness_object::{ROUGHNESS, RoughnessKind, SCALLOP_HEIGHT, plan_tolerance, stated_height};
 pub(crate) use source::{Source, SurfaceWithSource, UNIT};
-pub(crate) use surface::{PathPoints, SURFACE, StatedSurface};
+pub(crate) use surface::{OnePoint, PathPoints, SURFACE, StatedSurface};
 pub(crate) use warning_object::Warning;

@@ -278,6 +278,21 @@ fn first_items<T>(
     items.into_iter().collect()
 }
 
+/// A point.
+pub(crate) struct OnePoint;
+
+impl Kind for OnePoint {
+    type Value = [f64; 3];
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<[f64; 3], Faulted> {
+        point(raw, path, faults)
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        point_schema().description(Some(about)).into()
+    }
+}
+
 /// Passes every point of the array `raw` to `take` in order. `take` may have been called before a fault is found.
 fn each_point(raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults, mut take: impl FnMut([f64; 3])) -> Result<(), Faulted> {
     let mut are_in_bounds = true;

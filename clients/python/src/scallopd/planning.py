@@ -144,6 +144,7 @@ class ProgramOptions(TypedDict, total=False):
     spindle_speed_rpm: float
     coolant: bool
     tool_length_offset: bool
+    origin_mm: Vector
 
 
 class Operations(TypedDict):
@@ -326,6 +327,7 @@ class PathCheckParameters(TypedDict, total=False):
     include: Sequence[Literal["map", "places", "feeds", "program"]]
     old_feeds_in_comments: bool
     tip: Literal["lowest_point", "centre"]
+    origin_mm: Vector
     max_slope_deg: float
     unit: str
     facing: str
