@@ -53,6 +53,8 @@ async fn every_point_of_the_passes_has_the_height_of_the_batch() {
         json!({"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 2}),
         json!({"type": "toroidal", "diameter_mm": 10, "corner_radius_mm": 0.5}),
         json!({"type": "flat_end", "diameter_mm": 6}),
+        json!({"type": "oval", "diameter_mm": 8, "tip_radius_mm": 2, "side_radius_mm": 40}),
+        json!({"type": "lens", "diameter_mm": 8, "lens_radius_mm": 20, "corner_radius_mm": 0.5}),
     ];
     for cutter in cutters {
         for drive in [json!({}), json!({"teeth": 2, "spindle_speed_rpm": 12_000})] {

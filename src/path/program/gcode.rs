@@ -15,9 +15,10 @@ enum Motion {
 }
 
 /// G words, times ten, that leave the geometry as it is: look-ahead, polar coordinates off, compensation off, length
-/// compensation, scaling off, exact stop and path control, rotation off, cycle off, return levels; Haas' look-ahead, offsets and
-/// smoothness; Siemens' offsets off.
-const SETTING_G: [i32; 19] = [80, 90, 150, 400, 430, 490, 500, 610, 611, 640, 690, 800, 970, 980, 990, 1030, 1540, 1870, 5000];
+/// compensation, scaling, mirroring and shifts off, exact stop and path control, rotation off, cycle off, return levels; Haas'
+/// look-ahead, offsets and smoothness; Siemens' offsets off.
+const SETTING_G: [i32; 22] =
+    [80, 90, 150, 400, 430, 490, 500, 501, 610, 611, 640, 690, 800, 921, 922, 970, 980, 990, 1030, 1540, 1870, 5000];
 
 /// M words, times ten, for spindle, coolant, stops, clamps, gears, overrides, pallets, chips and air.
 const AUXILIARY_M: [i32; 36] = [
@@ -101,6 +102,8 @@ impl State {
                 // Fanuc's smoothing, where LinuxCNC has splines: G5 P10000 and G5.1 Q1, there with axes as parameters.
                 Some(50) if has('P') && !has('Q') => {}
                 Some(51) if has('Q') => block.parameters = true,
+                // A shift by nothing ends the one before, of which there is none.
+                Some(520) if words.iter().all(|word| word.letter == 'G' || word.value == 0.0) => block.parameters = true,
                 _ => self.g(*word, &mut block, line, collected),
             }
         }
@@ -163,7 +166,9 @@ impl State {
             Some(50..=53 | 60..=63) => ProgramFaultKind::Spline,
             Some(730 | 740 | 760 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890) => ProgramFaultKind::Cycle,
             Some(650 | 660 | 670) => ProgramFaultKind::Macro,
-            Some(100 | 160 | 410..=421 | 431 | 432 | 434 | 440 | 510 | 520 | 680..=682 | 920..=923) => ProgramFaultKind::Transformation,
+            Some(100 | 160 | 410..=421 | 431 | 432 | 434 | 440 | 510 | 511 | 520 | 680..=682 | 920 | 923) => {
+                ProgramFaultKind::Transformation
+            }
             known => {
                 if self.set(known, block) {
                     return;

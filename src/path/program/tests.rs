@@ -54,6 +54,7 @@ fn programs_are_read_as_their_controls_run_them() {
         // Smoothing, look-ahead and offsets of Fanuc and Haas, functions of the machine, a rotary axis at zero, a named program.
         ("O<PART>\nG5.1 Q1 R1\nG0 X0 Y0 Z1\nG5.1 Q1 X0 Y0 Z0\nG5 P10000\nG1 X1 F9\nG5 P0\nG5.1 Q0", "?0,0,1 f1,0,1@9"),
         ("G8 P1\nG103 P1\nG187 P3 E0.01\nG154 P2\nG0 X0 Y0 Z1 A0. B-0\nG1 X1 F9\nG28 G91 A0", "?0,0,1 f1,0,1@9"),
+        ("G92.1 G50.1\nG0 X0 Y0 Z1\nG52 X0 Y0.0\nX1", "?0,0,1 r1,0,1"),
         ("M11\nM10 M34 M88\nG0 X0 Y0 Z1\nM13 S900\nM83\nX1", "?0,0,1 r1,0,1"),
         // Siemens: values after `=`, tools by name, what sets the control, machine coordinates, frames ended.
         ("%_N_A_MPF\n;$PATH=/_N_WKS_DIR\nN1 G17 G90 G71 G505 T=\"BALL 6\" D1\nN2 M6\nG0 X=1 Y = 2 Z=+3\nG1 X-1 F=9", "?1,2,3 f-1,2,3@9"),
@@ -87,6 +88,8 @@ fn what_is_not_followed_is_refused_with_its_line() {
         ("G16", F::Transformation),
         ("G52 X10", F::Transformation),
         ("G92 X0", F::Transformation),
+        ("G92.3", F::Transformation),
+        ("G51.1 X0", F::Transformation),
         ("G10 L2 P1 X0", F::Transformation),
         ("G43.4 H1", F::Transformation),
         ("TRANS X10", F::Transformation),
