@@ -104,7 +104,7 @@ export const NAMES = {
 const PROGRAM_TERMS = {
   program_decimals: { label: 'Decimals', kind: 'count', help: 'Decimals of the coordinates.' },
   program_tool: { label: 'Tool number', kind: 'count', help: 'T word of the tool call.' },
-  ...Object.fromEntries(['program_origin', 'origin'].flatMap((name) => ['x', 'y', 'z'].map((axis) => [`${name}_${axis}_mm`, { label: `Zero at ${axis.toUpperCase()}`, kind: 'length', help: 'Where the program’s zero point is in the coordinates of the part, such as a corner of the stock.' }]))),
+  ...Object.fromEntries(['program_origin', 'origin'].flatMap((name) => ['x', 'y', 'z'].map((axis) => [`${name}_${axis}_mm`, { label: `Zero point ${axis.toUpperCase()}`, kind: 'length', help: 'Where the program’s zero point is in the coordinates of the part, such as a corner of the stock.' }]))),
   program_spindle_speed_rpm: { label: 'S word', kind: 'speed', help: 'Spindle speed of the program. Empty: the cutter’s, at most the machine’s.' },
   program_header: { label: 'Header blocks', help: 'Blocks at the beginning of the program, one a line.' },
   program_footer: { label: 'Footer blocks', help: 'Blocks before M5 and M30, one a line.' },
