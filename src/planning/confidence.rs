@@ -215,7 +215,7 @@ impl fmt::Display for Reason<SurfaceWeakness> {
             }
             SurfaceWeakness::PathMisplaced => write!(
                 f,
-                "{:.1} % of the area is cut into or missed by the path: its zero point, its unit, its cutter or tip may be another",
+                "{:.1} % of the area is missed or cut into by the path: select the facets that it is for; or its zero point, unit, cutter or tip is another",
                 100.0 * figure
             ),
             SurfaceWeakness::CornersNotTimed => write!(
