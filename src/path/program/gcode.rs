@@ -20,10 +20,11 @@ enum Motion {
 const SETTING_G: [i32; 22] =
     [80, 90, 150, 400, 430, 490, 500, 501, 610, 611, 640, 690, 800, 921, 922, 970, 980, 990, 1030, 1540, 1870, 5000];
 
-/// M words, times ten, for spindle, coolant, stops, clamps, gears, overrides, pallets, chips and air.
-const AUXILIARY_M: [i32; 36] = [
-    0, 10, 30, 40, 50, 70, 80, 90, 100, 110, 120, 130, 140, 190, 310, 330, 340, 350, 360, 400, 410, 420, 430, 440, 450, 480, 490, 500, 510,
-    520, 530, 600, 830, 840, 880, 890,
+/// M words, times ten, for spindle, coolant, stops, clamps, gears, overrides, pallets, chips and air; M17 ends a part program of
+/// Siemens.
+const AUXILIARY_M: [i32; 37] = [
+    0, 10, 30, 40, 50, 70, 80, 90, 100, 110, 120, 130, 140, 170, 190, 310, 330, 340, 350, 360, 400, 410, 420, 430, 440, 450, 480, 490, 500,
+    510, 520, 530, 600, 830, 840, 880, 890,
 ];
 
 /// What holds from block to block.
@@ -406,33 +407,8 @@ fn word_at_start(text: &str) -> Result<(Option<Word>, usize), ProgramFaultKind> 
 }
 
 /// Siemens' names of what sets how exactly the control follows the path, defines a variable, or is for the operator.
-const NAMES: [&str; 25] = [
-    "ADIS",
-    "ADISPOS",
-    "BRISK",
-    "CFC",
-    "CFIN",
-    "CFTCP",
-    "COMPCAD",
-    "COMPCURV",
-    "COMPOF",
-    "COMPON",
-    "COMPSURF",
-    "CTOL",
-    "CYCLE832",
-    "FFWOF",
-    "FFWON",
-    "GROUP_BEGIN",
-    "GROUP_END",
-    "KONT",
-    "MSG",
-    "NORM",
-    "OTOL",
-    "SOFT",
-    "STOPRE",
-    "TRAFOOF",
-    "WORKPIECE",
-];
+const NAMES: &str = "ADIS ADISPOS BRISK CFC CFIN CFTCP COMPCAD COMPCURV COMPOF COMPON COMPSURF CTOL CYCLE832 FFWOF FFWON GROUP_BEGIN \
+    GROUP_END KONT MSG NORM OTOL RET SOFT STOPRE TRAFOOF WORKPIECE";
 
 /// The word that a name at the start stands for, if any, and the length of the name with what belongs to it: arguments in
 /// parentheses, or a value after `=`. `None` for other names.
@@ -441,6 +417,7 @@ fn named(text: &str) -> Option<(Option<Word>, usize)> {
     let name = name_at_start(text);
     let behind = text[name..].trim_start();
     let value = behind.strip_prefix('=').map(str::trim_start);
+    let is_name = |known: &str| NAMES.split(' ').any(|name| name == known);
     let with = |behind: &str, length: usize| text.len() - behind.len() + length;
     match (text[..name].to_ascii_uppercase().as_str(), value) {
         // A tool by its name has no number.
@@ -460,8 +437,8 @@ fn named(text: &str) -> Option<(Option<Word>, usize)> {
         (letter, Some(value)) if letter.len() == 1 && value.starts_with('_') => {
             Some((Some(Word { letter: letter.chars().next()?, value: f64::NAN }), with(value, name_at_start(value))))
         }
-        (known, Some(value)) if known.starts_with('_') || NAMES.contains(&known) => Some((None, with(value, number_at_start(value).1))),
-        (known, None) if NAMES.contains(&known) => {
+        (known, Some(value)) if known.starts_with('_') || is_name(known) => Some((None, with(value, number_at_start(value).1))),
+        (known, None) if is_name(known) => {
             let arguments = behind.starts_with('(').then(|| behind.find(')')).flatten();
             Some((None, arguments.map_or(name, |end| with(behind, end + 1))))
         }

@@ -58,7 +58,10 @@ fn programs_are_read_as_their_controls_run_them() {
         ("M11\nM10 M34 M88\nG0 X0 Y0 Z1\nM13 S900\nM83\nX1", "?0,0,1 r1,0,1"),
         // Siemens: values after `=`, tools by name, what sets the control, machine coordinates, frames ended.
         ("%_N_A_MPF\n;$PATH=/_N_WKS_DIR\nN1 G17 G90 G71 G505 T=\"BALL 6\" D1\nN2 M6\nG0 X=1 Y = 2 Z=+3\nG1 X-1 F=9", "?1,2,3 f-1,2,3@9"),
-        ("CYCLE832(0.01,1,1)\nFFWON SOFT\nCOMPCAD G642 ADIS=0.01 G0 X0 Y0 Z1\nMSG(\"G1 X5\")\nTRANS\nCYCLE800()\nX1", "?0,0,1 r1,0,1"),
+        (
+            "CYCLE832(0.01,1,1)\nFFWON SOFT\nCOMPCAD G642 ADIS=0.01 G0 X0 Y0 Z1\nMSG(\"G1 X5\")\nTRANS\nCYCLE800()\nX1\nM17\nRET",
+            "?0,0,1 r1,0,1",
+        ),
         (
             "DEF REAL _X_HOME, _TOL\n_X_HOME=-350 _TOL = 0.01\nCYCLE832(_TOL,_FINISH,1)\nG0 X0 Y0 Z1\nSUPA G0 X=_X_HOME C=_X_HOME D1\nX2",
             "?0,0,1 ?2,0,1",
@@ -327,6 +330,8 @@ fn new_feeds_change_nothing_but_feed_words() {
         ("S1000 G95\nG0 X0 Y0 Z1\nG1 X1 F0.1", 250.0, "S1000 G95\nG0 X0 Y0 Z1\nG1 X1 F0.25"),
         ("%\nO1\nG0 X0 Y0 Z5\nG1 Z0 F500.\nG2 X0 Y0 I5\nM30\n%", 500.0, "%\nO1\nG0 X0 Y0 Z5\nG1 Z0 F500.\nG2 X0 Y0 I5\nM30\n%"),
         ("G0 X=0 Y=0 Z=5\nFFWON\nG1 Z=0 F=100 SOFT", 500.0, "G0 X=0 Y=0 Z=5\nFFWON\nG1 Z=0 F500 SOFT"),
+        ("G0 X0 Y0 Z5\nG1 Z0 T=\"F2\"", 500.0, "G0 X0 Y0 Z5\nG1 Z0 T=\"F2\" F500"),
+        ("G0 X0 Y0 Z5\n_F1=3 T=\"F2\" G1 Z0 F100", 500.0, "G0 X0 Y0 Z5\n_F1=3 T=\"F2\" G1 Z0 F500"),
         ("0;0;1;500\n1;0;1;500\n", 321.0, "0;0;1;500\n1;0;1;321\n"),
         ("GOTO/0,0,1\nGOTO/1,0,1\nGOTO/2,0,1\n", 300.0, "GOTO/0,0,1\nFEDRAT/300,MMPM\nGOTO/1,0,1\nGOTO/2,0,1\n"),
     ] {

@@ -276,6 +276,13 @@ fn scan(block: &str) -> (Option<FeedWord>, usize) {
         match byte {
             b'(' => at += block[at..].find(')').map_or(block.len() - at, |close| close + 1),
             b';' => break,
+            // Siemens' names of tools and variables may look like feeds.
+            b'"' | b'_' => {
+                let is_name = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
+                let name = || block[at..].bytes().take_while(is_name).count();
+                at += if byte == b'_' { name() } else { block[at + 1..].find('"').map_or(block.len() - at, |close| close + 2) };
+                end = at;
+            }
             b'F' | b'f' => {
                 let from = at;
                 at += 1;
