@@ -87,7 +87,17 @@ async fn a_program_in_a_file_has_the_figures_of_its_points() {
     let stl = binary_stl("plate", &[[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]]);
     let parts = [("surface", stl), ("path", program_of(&tips).into_bytes()), ("parameters", ball().to_string().into_bytes())];
     let file = app.post_parts("/v1/path-check/upload", parts).await.ok();
-    for answer in [&inline, &file] {
+    let (moves, rates) = (vec!["cut"; tips.len()], vec![3000; tips.len()]);
+    let passes = json!({"tip_mm": tips, "move": moves, "feed_rate_mm_min": rates, "run_starts": [0], "operation": [0], "normal": []});
+    let upload = async |path: String| {
+        let stl = binary_stl("plate", &[[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]]);
+        let parts = [("surface", stl), ("path", path.into_bytes()), ("parameters", ball().to_string().into_bytes())];
+        app.post_parts("/v1/path-check/upload", parts).await
+    };
+    let [alone, in_answer] =
+        [upload(passes.to_string()).await.ok(), upload(json!({"passes": passes, "warnings": []}).to_string()).await.ok()];
+    assert_eq!(upload("{\"tip_mm\": [".to_owned()).await.faults(), (422, vec![("/path", "faulty-program")]));
+    for answer in [&inline, &file, &alone, &in_answer] {
         for pointer in ["/residual_mm/p50", "/residual_mm/p99", "/over_tolerance_share", "/uncut_share"] {
             assert_relative_eq!(figure(answer, pointer), figure(&points, pointer), max_relative = 1e-6, epsilon = 1e-9);
         }

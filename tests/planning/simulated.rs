@@ -117,8 +117,27 @@ async fn a_plan_is_written_as_a_program_that_the_service_reads() {
         with(with(job.clone(), grid()), json!({"path": {"program": text.replace(" G28\n", " M9\n")}, "origin_mm": [-8, 2.5, 40]}));
     let passes = &answer["passes"];
     let rapid: Vec<usize> = (1..passes["move"].as_array().unwrap().len()).filter(|index| passes["move"][*index] == "rapid").collect();
-    let of_tips = with(with(job, grid()), json!({"path": {"tip_mm": passes["tip_mm"], "rapid": rapid}}));
-    let [program, tips] = [app.answer("/v1/path-check", &of_program).await, app.answer("/v1/path-check", &of_tips).await];
+    let of_tips = with(
+        with(job.clone(), grid()),
+        json!({"path": {"tip_mm": passes["tip_mm"], "rapid": rapid, "feed_rate_mm_min": passes["feed_rate_mm_min"]}}),
+    );
+    let of_passes = with(with(job.clone(), grid()), json!({"path": {"passes": passes}}));
+    let [program, tips, of_passes] = [
+        app.answer("/v1/path-check", &of_program).await,
+        app.answer("/v1/path-check", &of_tips).await,
+        app.answer("/v1/path-check", &of_passes).await,
+    ];
+    for member in ["residual_mm", "cutting_length_mm", "machining_time_s", "gouge", "uncut_share"] {
+        assert_eq!(of_passes[member], tips[member], "{member}");
+    }
+    let mut faulty = passes.clone();
+    faulty["move"][3] = json!("jump");
+    faulty["operation"].as_array_mut().unwrap().push(json!(0));
+    faulty.as_object_mut().unwrap().remove("tip_mm");
+    let faulty = app.post("/v1/path-check", &with(with(job.clone(), grid()), json!({"path": {"passes": faulty}}))).await;
+    let expected =
+        vec![("/path/passes/tip_mm", "missing-field"), ("/path/passes/move/3", "unknown-value"), ("/path/passes/operation", "wrong-count")];
+    assert_eq!(faulty.faults(), (422, expected));
     // Coordinates are rounded to 25.4e-6/2 mm.
     for pointer in ["/residual_mm/p50", "/residual_mm/p99"] {
         assert!((figure(&program, pointer) - figure(&tips, pointer)).abs() < 3e-5, "{pointer}");

@@ -1,7 +1,7 @@
 //! `POST /v1/path-check` and `/v1/path-check/upload`: what a path leaves on a surface, whoever made it.
 
 use super::checked_path::{PathCheckAnswer, PathCheckMembers, PathToCheck};
-use super::path_object::{MOST_POINTS, PATH, read_program};
+use super::path_object::{MOST_POINTS, PATH, read_path_file};
 use super::upload::{read_file, read_small};
 use crate::budget::{Job, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
@@ -69,7 +69,7 @@ fn describe_upload(components: &mut Components) -> RefOr<Schema> {
     let binary = || ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
     let surface = binary().description(Some("the surface file, in any format of a recommendation's upload"));
     let path =
-        binary().description(Some("the program: G-code, APT or cutter location statements, or columns x, y, z and feed rate in mm/min"));
+        binary().description(Some("the program: G-code, APT or cutter location statements, columns x, y, z and feed rate in mm/min, or the passes of an answer as JSON"));
     let parameters = components.refer("PathCheckParameters", "", |components| {
         ObjectSchema::new("The cutter, the tolerance and the machine", components).with::<PathCheckMembers>().build()
     });
@@ -124,7 +124,7 @@ pub(crate) async fn answer_upload(
         };
         let path = program.ok_or(()).map_err(|()| missing(PATH.name, &mut faults)).and_then(|bytes| {
             let text = String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
-            read_program(text, &JsonPath::Root.member(PATH.name), &mut faults)
+            read_path_file(text, &JsonPath::Root.member(PATH.name), &mut faults)
         });
         let Some(parameters) = parameters else {
             missing(PARAMETERS, &mut faults);

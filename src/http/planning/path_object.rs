@@ -2,13 +2,14 @@
 //! program.
 
 use crate::http::codes::RequestFault;
-use crate::http::reading::{Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, Quantity, Whole, members, text};
+use crate::http::reading::{Choice, Components, Faulted, Faults, JsonPath, Kind, List, Member, Object, Quantity, Whole, members, text};
 use crate::http::wire::{CandidateKind, NamedCandidate, PathPoints};
+use crate::path::MoveKind;
 use crate::path::program::{Dialect, Program, ProgramPoint, Reached, ReadSettings, read};
 use crate::quantity::Speed;
 use serde_json::value::RawValue;
 use std::collections::{BTreeMap, BTreeSet};
-use utoipa::openapi::schema::{AdditionalProperties, ArrayBuilder, ObjectBuilder, OneOfBuilder, Type};
+use utoipa::openapi::schema::{AdditionalProperties, ArrayBuilder, ObjectBuilder, OneOfBuilder, RefBuilder, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The most points of a path, arcs in chords.
@@ -30,8 +31,9 @@ pub(super) struct StatedPath {
 
 members! {
     /// A path: a program, or points.
-    pub(super) struct PathMembers for PathKind ("Path", "A path of the tip: `program`, or `tip_mm` with its rapids and its feed rate") -> StatedPath {
+    pub(super) struct PathMembers for PathKind ("Path", "A path of the tip: `program`, `passes`, or `tip_mm` with its rapids and its feed rate") -> StatedPath {
         program: optional PROGRAM: ProgramText = ("program", ProgramText, "the text of a program in G-code, of APT statements, or of columns x, y, z and feed rate"),
+        passes: optional PASSES: PassesKind = ("passes", PassesKind, "the passes of an answer, as they are"),
         tip: optional TIP: PathPoints = ("tip_mm", PathPoints, "the tip's points [x, y, z] in their order"),
         rapid: optional RAPID: List<Whole> = ("rapid", List { item: Whole { minimum: 0, maximum: 1_100_000, example: 2 },
             about_item: "the index of a point, from 0", fewest: 0, most: MOST_POINTS }, "the points that are reached by a rapid move; no move leads to the first one, with index 0, which may be among them"),
@@ -42,27 +44,16 @@ members! {
 
 impl PathMembers {
     fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<StatedPath, Faulted> {
-        let (program, tip, rapid, feed_rates) = (self.program?, self.tip?, self.rapid?, self.feed_rates?);
-        match (program, tip) {
+        let (program, passes, tip, rapid, feed_rates) = (self.program?, self.passes?, self.tip?, self.rapid?, self.feed_rates?);
+        match (program.or(passes), tip) {
             (Some(_), _) if rapid.is_some() || feed_rates.is_some() => Err(faults.add(
                 path,
                 RequestFault::ConflictingFields,
-                "rapid and feed_rate_mm_min belong to tip_mm; a program states its own",
+                "rapid and feed_rate_mm_min belong to tip_mm; a program and passes state their own",
             )),
-            (Some(program), None) => Ok(program),
+            (Some(stated), None) => Ok(stated),
             (None, Some(tip)) => {
-                let rates = feed_rates.unwrap_or_default();
-                if rates.len() > 1 && rates.len() != tip.len() {
-                    let detail = format_args!("there are {} points and {} feed rates", tip.len(), rates.len());
-                    return Err(faults.add(&path.member(FEED_RATES.name), RequestFault::WrongCount, detail));
-                }
-                if tip.len() > MOST_POINTS {
-                    let detail = format_args!("at most {MOST_POINTS} points, there are {}", tip.len());
-                    return Err(faults.add(&path.member(TIP.name), RequestFault::TooManyItems, detail));
-                }
-                let rate = |index: usize| rates.get(index).or(rates.first()).copied();
-                let stated = tip.into_iter().enumerate().map(|(index, point)| stated_point(point, rate(index)));
-                let mut points: Vec<ProgramPoint> = stated.collect();
+                let mut points = stated_points(tip, &feed_rates.unwrap_or_default(), path, faults)?;
                 let at = path.member(RAPID.name);
                 for (place, index) in rapid.unwrap_or_default().into_iter().enumerate() {
                     match points.get_mut(index as usize) {
@@ -72,20 +63,109 @@ impl PathMembers {
                         }
                     }
                 }
-                if let Some(first) = points.first_mut() {
-                    first.reached = Reached::FromUnknown;
-                }
-                Ok(StatedPath { program: Program { dialect: Dialect::Columns, points }, text: None })
+                Ok(path_of(points))
             }
-            (Some(_), Some(_)) => Err(faults.add(path, RequestFault::ConflictingFields, "give program or tip_mm")),
-            (None, None) => Err(faults.add(path, RequestFault::MissingField, "give program or tip_mm")),
+            (Some(_), Some(_)) => Err(faults.add(path, RequestFault::ConflictingFields, "give program, passes or tip_mm")),
+            (None, None) => Err(faults.add(path, RequestFault::MissingField, "give program, passes or tip_mm")),
         }
     }
 }
 
-fn stated_point(point: [f64; 3], feed_rate: Option<Speed>) -> ProgramPoint {
-    let feed_rate = feed_rate.map(Speed::mm_min);
-    ProgramPoint { point, reached: Reached::Feed, feed_rate, line: 0, tool: 0, spindle_speed: None, feed_unit: 1.0 }
+/// The points of the object at `path`, all reached at their feed rates: none, one, or as many as there are points.
+fn stated_points(tip: Vec<[f64; 3]>, rates: &[Speed], path: &JsonPath<'_>, faults: &mut Faults) -> Result<Vec<ProgramPoint>, Faulted> {
+    if rates.len() > 1 && rates.len() != tip.len() {
+        let detail = format_args!("there are {} points and {} feed rates", tip.len(), rates.len());
+        return Err(faults.add(&path.member(FEED_RATES.name), RequestFault::WrongCount, detail));
+    }
+    if tip.len() > MOST_POINTS {
+        let detail = format_args!("at most {MOST_POINTS} points, there are {}", tip.len());
+        return Err(faults.add(&path.member(TIP.name), RequestFault::TooManyItems, detail));
+    }
+    let rate = |index: usize| rates.get(index).or(rates.first()).map(|rate| rate.mm_min());
+    let stated = |(index, point)| ProgramPoint {
+        point,
+        reached: Reached::Feed,
+        feed_rate: rate(index),
+        line: 0,
+        tool: 0,
+        spindle_speed: None,
+        feed_unit: 1.0,
+    };
+    Ok(tip.into_iter().enumerate().map(stated).collect())
+}
+
+/// The path of points without a text; no move leads to the first one.
+fn path_of(mut points: Vec<ProgramPoint>) -> StatedPath {
+    if let Some(first) = points.first_mut() {
+        first.reached = Reached::FromUnknown;
+    }
+    StatedPath { program: Program { dialect: Dialect::Columns, points }, text: None }
+}
+
+/// The passes of an answer. Their operations are the numbers of the tools. Columns that say nothing about the path are not read.
+pub(super) struct PassesKind;
+
+impl PassesKind {
+    const MOVES: List<Choice<MoveKind>> = List {
+        item: Choice { name: None, words: &[("cut", MoveKind::Cut), ("link", MoveKind::Link), ("rapid", MoveKind::Rapid)] },
+        about_item: "how the tip gets to a point",
+        fewest: 0,
+        most: MOST_POINTS,
+    };
+    const RUNS: List<Whole> = List {
+        item: Whole { minimum: 0, maximum: 1_100_000, example: 0 },
+        about_item: "the number of a point or an operation",
+        fewest: 0,
+        most: MOST_POINTS,
+    };
+}
+
+impl Kind for PassesKind {
+    type Value = StatedPath;
+
+    fn read(&self, raw: &RawValue, path: JsonPath<'_>, faults: &mut Faults) -> Result<StatedPath, Faulted> {
+        let columns = Object::open(raw, path, faults)?.into_members(faults)?;
+        let column = |name: &str, faults: &mut Faults| {
+            let found = columns.iter().find(|(known, _)| known == name).map(|(_, raw)| *raw);
+            found.ok_or_else(|| faults.add(&path.member(name), RequestFault::MissingField, "the passes of an answer have this column"))
+        };
+        let tip = column(TIP.name, faults).and_then(|raw| PathPoints.read(raw, path.member(TIP.name), faults));
+        let moves = column("move", faults).and_then(|raw| Self::MOVES.read(raw, path.member("move"), faults));
+        let rates = column(FEED_RATES.name, faults).and_then(|raw| FeedRates.read(raw, path.member(FEED_RATES.name), faults));
+        let [starts, operations] =
+            ["run_starts", "operation"].map(|name| column(name, faults).and_then(|raw| Self::RUNS.read(raw, path.member(name), faults)));
+        let counts = [
+            ("move", moves.as_ref().map(Vec::len), tip.as_ref().map(Vec::len)),
+            ("operation", operations.as_ref().map(Vec::len), starts.as_ref().map(Vec::len)),
+        ];
+        let checked = counts.map(|(name, found, expected)| match (found, expected) {
+            (Ok(found), Ok(expected)) if found != expected => {
+                let detail = format_args!("expected {expected} items, found {found}");
+                Err(faults.add(&path.member(name), RequestFault::WrongCount, detail))
+            }
+            _ => Ok(()),
+        });
+        checked.into_iter().collect::<Result<(), Faulted>>()?;
+        let (tip, moves, rates, starts, operations) = (tip?, moves?, rates?, starts?, operations?);
+        let mut points = stated_points(tip, &rates, &path, faults)?;
+        for (point, _) in points.iter_mut().zip(&moves).filter(|(_, kind)| **kind == MoveKind::Rapid) {
+            point.reached = Reached::Rapid;
+        }
+        // What leads to the first run has its tool.
+        let mut runs = starts.iter().zip(&operations).peekable();
+        let mut tool = operations.first().copied().unwrap_or_default();
+        for (index, point) in points.iter_mut().enumerate() {
+            while let Some((_, operation)) = runs.next_if(|(start, _)| **start as usize <= index) {
+                tool = *operation;
+            }
+            point.tool = tool;
+        }
+        Ok(path_of(points))
+    }
+
+    fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
+        RefBuilder::new().ref_location_from_schema_name("Passes").description(Some(about)).build().into()
+    }
 }
 
 /// The text of a program. Its arcs become chords later, when the tolerance is known; what is wrong with it is found here.
@@ -102,6 +182,20 @@ impl Kind for ProgramText {
     fn schema(&self, about: &str, _: &mut Components) -> RefOr<Schema> {
         let schema = ObjectBuilder::new().schema_type(Type::String).description(Some(about)).min_length(Some(1));
         schema.examples(["G21 G90\nG0 X0 Y0 Z5\nG1 Z0 F3000\nX40"]).into()
+    }
+}
+
+/// A path in a file: a program, or the passes of an answer, alone or in the answer. Faults are recorded at `path`.
+pub(super) fn read_path_file(text: String, path: &JsonPath<'_>, faults: &mut Faults) -> Result<StatedPath, Faulted> {
+    if !text.trim_start().starts_with('{') {
+        return read_program(text, path, faults);
+    }
+    let raw: &RawValue = serde_json::from_str(&text)
+        .map_err(|error| faults.add(path, RequestFault::FaultyProgram, format_args!("the JSON of the passes cannot be read: {error}")))?;
+    let members = Object::open(raw, *path, faults)?.into_members(faults)?;
+    match members.iter().find(|(name, _)| name == PASSES.name) {
+        Some((_, passes)) => PassesKind.read(passes, path.member(PASSES.name), faults),
+        None => PassesKind.read(raw, *path, faults),
     }
 }
 

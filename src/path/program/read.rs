@@ -39,17 +39,68 @@ fn dialect(text: &str) -> Dialect {
         if apt::STATEMENTS.contains(&word) || upper.starts_with("$$") {
             return Dialect::Apt;
         }
-        let columns: Vec<&str> = upper.split([',', ';', '\t']).map(str::trim).collect();
-        if columns.len() >= 3 && (columns.iter().all(|column| column.parse::<f64>().is_ok()) || columns[..3] == ["X", "Y", "Z"]) {
+        let columns = fields(line);
+        if columns.len() >= 3 && columns.iter().all(|column| column.parse::<f64>().is_ok()) || Columns::named(&columns).is_some() {
             return Dialect::Columns;
         }
     }
     Dialect::GCode
 }
 
-/// Reads columns of coordinates: x, y, z in mm and, if there is a fourth, the feed rate in mm/min.
+/// The column of the feed rate without a header.
+pub(super) const UNNAMED_FEED: usize = 3;
+
+/// The columns of a table that hold the path.
+pub(super) struct Columns {
+    axes: [usize; 3],
+    pub(super) feed: Option<usize>,
+    kind: Option<usize>,
+    /// The most columns of a row.
+    most: usize,
+}
+
+impl Columns {
+    /// Without a header: x, y, z and, if there is a fourth, the feed rate.
+    const UNNAMED: Self = Self { axes: [0, 1, 2], feed: Some(UNNAMED_FEED), kind: None, most: 4 };
+
+    /// Those that a header names, with their unit or without; `None` without x, y and z.
+    pub(super) fn named(header: &[&str]) -> Option<Self> {
+        let find = |is: &dyn Fn(&str) -> bool| header.iter().position(|name| is(&name.to_ascii_lowercase()));
+        let axis =
+            |axis: char| find(&|name| name.strip_prefix(axis).is_some_and(|unit| ["", "_mm", " (mm)", "(mm)", " [mm]"].contains(&unit)));
+        Some(Self {
+            axes: [axis('x')?, axis('y')?, axis('z')?],
+            feed: find(&|name| ["f", "feed", "feed_rate", "feed_rate_mm_min"].contains(&name)),
+            kind: find(&|name| name == "move"),
+            most: usize::MAX,
+        })
+    }
+
+    /// The point of a row, its feed rate if it states one, and how it is reached; `None` if one of them cannot be read.
+    fn read(&self, row: &[&str]) -> Option<([f64; 3], Option<f64>, Reached)> {
+        let number = |field: &str| field.parse::<f64>().ok().filter(|value| value.abs() <= 1e9);
+        let [x, y, z] = self.axes.map(|at| row.get(at).and_then(|field| number(field)));
+        let feed = match self.feed.and_then(|at| row.get(at)) {
+            Some(field) if !field.is_empty() => Some(number(field)?),
+            _ => None,
+        };
+        let reached = match self.kind.map(|at| row.get(at).copied().unwrap_or_default()) {
+            Some("rapid") => Reached::Rapid,
+            None | Some("cut" | "link") => Reached::Feed,
+            Some(_) => return None,
+        };
+        (row.len() <= self.most).then_some(([x?, y?, z?], feed.filter(|feed| *feed > 0.0), reached))
+    }
+}
+
+/// The fields of a row, without blanks and quotes about them.
+pub(super) fn fields(row: &str) -> Vec<&str> {
+    row.split([',', ';', '\t']).map(|field| field.trim().trim_matches('"')).collect()
+}
+
+/// Reads columns of coordinates in mm, with the feed rate in mm/min and the kind of the move where there are such columns.
 fn read_columns(text: &str, collected: &mut Collected) {
-    let mut is_first = true;
+    let mut columns = None;
     for (line, number) in text.lines().zip(1_u32..) {
         if collected.is_full() {
             break;
@@ -58,19 +109,22 @@ fn read_columns(text: &str, collected: &mut Collected) {
         if line.is_empty() || line.starts_with(['#', '/']) {
             continue;
         }
-        let columns: Vec<&str> = line.split([',', ';', '\t']).map(str::trim).collect();
-        if is_first && columns.iter().take(3).map(|name| name.to_ascii_lowercase()).eq(["x", "y", "z"]) {
-            continue;
+        let row = fields(line);
+        if columns.is_none() {
+            columns = Columns::named(&row);
+            if columns.is_some() {
+                continue;
+            }
         }
-        let values: Vec<f64> = columns.iter().filter_map(|column| column.parse::<f64>().ok()).filter(|value| value.abs() <= 1e9).collect();
-        if values.len() != columns.len() || !(3..=4).contains(&values.len()) {
+        let Some((point, feed_rate, reached)) = columns.get_or_insert(Columns::UNNAMED).read(&row) else {
             collected.fault(number, ProgramFaultKind::Number, line);
             continue;
-        }
-        let reached = if is_first { Reached::FromUnknown } else { Reached::Feed };
-        let feed_rate = values.get(3).copied().filter(|feed| *feed > 0.0 && !is_first);
-        let point = [values[0], values[1], values[2]];
+        };
+        let (reached, feed_rate) = match reached {
+            _ if collected.points.is_empty() => (Reached::FromUnknown, None),
+            Reached::Feed => (reached, feed_rate),
+            _ => (reached, None),
+        };
         collected.push(ProgramPoint { point, reached, feed_rate, line: number, tool: 0, spindle_speed: None, feed_unit: 1.0 });
-        is_first = false;
     }
 }

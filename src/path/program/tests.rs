@@ -217,6 +217,11 @@ fn apt_and_columns_are_read() {
         ("UNITS/INCHES\nFEDRAT/10,IPM\nCUTCOM/OFF\nGOTO/0,0,1\nGOTO/1,0,1", "?0,0,25.4 f25.4,0,25.4@254"),
         ("x,y,z\n0,0,1\n1,0,1\n", "?0,0,1 f1,0,1"),
         ("0;0;1;500\n1;0;1;500\n", "?0,0,1 f1,0,1@500"),
+        (
+            "run,move,x_mm,y_mm,z_mm,nx,feed_rate_mm_min\n0,rapid,0,0,5,,9000\n0,rapid,1,0,5,,9000\n0,link,1,0,0,,500\n0,cut,2,0,0,0.1,600\n",
+            "?0,0,5 r1,0,5 f1,0,0@500 f2,0,0@600",
+        ),
+        ("\"Feed\";\"Z (mm)\";\"Y (mm)\";\"X (mm)\"\n500;1;0;0\n;1;0;2", "?0,0,1 f2,0,1"),
         ("# tips\n0\t0\t1\n2\t0\t1", "?0,0,1 f2,0,1"),
     ] {
         assert_eq!(points(text), expected, "{text}");
@@ -233,6 +238,9 @@ fn apt_and_columns_are_read() {
         ("GOTO/0,0,1\nGOTO/0,0,1,0.5,0,0.866\n", ProgramFaultKind::Axis),
         ("GOTO/0,0,1\nWIBBLE/1\n", ProgramFaultKind::UnknownWord),
         ("0,0,1\n1,0\n", ProgramFaultKind::Number),
+        ("x,y,z,move\n0,0,1,jump", ProgramFaultKind::Number),
+        ("x,y,z,feed\n0,0,1,fast", ProgramFaultKind::Number),
+        ("0,0,1\n1,0,1,500,2\n", ProgramFaultKind::Number),
         ("0,0,1\n1,0,a\n", ProgramFaultKind::Number),
     ] {
         let faults = read(text, &SETTINGS).unwrap_err();
@@ -332,6 +340,8 @@ fn new_feeds_change_nothing_but_feed_words() {
         ("G0 X=0 Y=0 Z=5\nFFWON\nG1 Z=0 F=100 SOFT", 500.0, "G0 X=0 Y=0 Z=5\nFFWON\nG1 Z=0 F500 SOFT"),
         ("G0 X0 Y0 Z5\nG1 Z0 T=\"F2\"", 500.0, "G0 X0 Y0 Z5\nG1 Z0 T=\"F2\" F500"),
         ("G0 X0 Y0 Z5\n_F1=3 T=\"F2\" G1 Z0 F100", 500.0, "G0 X0 Y0 Z5\n_F1=3 T=\"F2\" G1 Z0 F500"),
+        ("x,y,z,feed,n\n0,0,1,,a\n1,0,1,500,b\n", 321.0, "x,y,z,feed,n\n0,0,1,,a\n1,0,1,321,b\n"),
+        ("n;X (mm);Y (mm);Z (mm)\na;0;0;1\nb;1;0;1\n", 321.0, "n;X (mm);Y (mm);Z (mm);feed_rate_mm_min\na;0;0;1\nb;1;0;1;321\n"),
         ("0;0;1;500\n1;0;1;500\n", 321.0, "0;0;1;500\n1;0;1;321\n"),
         ("GOTO/0,0,1\nGOTO/1,0,1\nGOTO/2,0,1\n", 300.0, "GOTO/0,0,1\nFEDRAT/300,MMPM\nGOTO/1,0,1\nGOTO/2,0,1\n"),
     ] {

@@ -4,6 +4,7 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded before the conversion")]
 
 use super::program_points::{Dialect, Program, Reached};
+use super::read::{Columns, UNNAMED_FEED, fields};
 use crate::path::{Move, MoveKind};
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
@@ -212,6 +213,7 @@ pub fn with_feeds(text: &str, program: &Program, feed_rates: &[f64], old_in_comm
     let mut written = String::with_capacity(text.len() + 16 * of_lines.len());
     // The modal feed in units of feed words, and the size of the unit.
     let mut modal: Option<(f64, f64)> = None;
+    let mut feed_column = None;
     for (line, number) in text.split_inclusive('\n').zip(1_u32..) {
         let block = line.trim_end_matches(['\n', '\r']);
         let wanted = of_lines.get(&number).filter(|(feed, _)| feed.is_finite()).copied();
@@ -226,17 +228,34 @@ pub fn with_feeds(text: &str, program: &Program, feed_rates: &[f64], old_in_comm
                 }
                 written.push_str(block);
             }
-            (Dialect::Columns, Some((feed, unit))) => {
-                let separator = block.find([',', ';', '\t']).map_or(",", |at| &block[at..=at]);
-                let columns: Vec<&str> = block.split([',', ';', '\t']).collect();
-                written.push_str(&columns[..columns.len().min(3)].join(separator));
-                let _ = write!(written, "{separator}{}", word_value(feed, unit));
-            }
-            (_, None) => written.push_str(block),
+            (Dialect::Columns, wanted) => row_with_feed(block, wanted, &mut feed_column, &mut written),
+            (Dialect::Apt, None) => written.push_str(block),
         }
         written.push_str(&line[block.len()..]);
     }
     written
+}
+
+/// A row with its feed rate in its column. A header without such a column gets one, the last.
+fn row_with_feed(row: &str, wanted: Option<(f64, f64)>, feed_column: &mut Option<usize>, written: &mut String) {
+    let separator = row.find([',', ';', '\t']).map_or(",", |at| &row[at..=at]);
+    let header = if feed_column.is_none() { Columns::named(&fields(row)) } else { None };
+    let Some((feed, unit)) = wanted else {
+        written.push_str(row);
+        if let Some(header) = header {
+            *feed_column = Some(header.feed.unwrap_or(fields(row).len()));
+            if header.feed.is_none() {
+                let _ = write!(written, "{separator}feed_rate_mm_min");
+            }
+        }
+        return;
+    };
+    let value = word_value(feed, unit);
+    let mut columns: Vec<&str> = row.split([',', ';', '\t']).collect();
+    let at = feed_column.unwrap_or(UNNAMED_FEED);
+    columns.resize(columns.len().max(at + 1), "");
+    columns[at] = &value;
+    written.push_str(&columns.join(separator));
 }
 
 /// Whether a feed that holds is the wanted one, or hardly less.

@@ -309,9 +309,11 @@ class Recommendation(_RecommendationAnswer, total=False):
 
 
 class StatedPath(TypedDict, total=False):
-    """A path: the text of a `program`, or the points `tip_mm`, of which those with an index in `rapid` are reached by a rapid move."""
+    """A path: the text of a `program`, the `passes` of an answer, or the points `tip_mm`, of which those with an index in `rapid` are
+    reached by a rapid move."""
 
     program: str
+    passes: Passes
     tip_mm: Sequence[Vector]
     rapid: Sequence[int]
     feed_rate_mm_min: Union[float, Sequence[float]]
