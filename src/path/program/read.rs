@@ -50,6 +50,9 @@ fn dialect(text: &str) -> Dialect {
 /// The column of the feed rate without a header.
 pub(super) const UNNAMED_FEED: usize = 3;
 
+/// The most columns of a table.
+const MOST_COLUMNS: usize = 100;
+
 /// The columns of a table that hold the path.
 pub(super) struct Columns {
     axes: [usize; 3],
@@ -72,7 +75,7 @@ impl Columns {
             axes: [axis('x')?, axis('y')?, axis('z')?],
             feed: find(&|name| ["f", "feed", "feed_rate", "feed_rate_mm_min"].contains(&name)),
             kind: find(&|name| name == "move"),
-            most: usize::MAX,
+            most: MOST_COLUMNS,
         })
     }
 
@@ -93,9 +96,9 @@ impl Columns {
     }
 }
 
-/// The fields of a row, without blanks and quotes about them.
+/// The fields of a row, without blanks and quotes about them; of too many, one more than allowed.
 pub(super) fn fields(row: &str) -> Vec<&str> {
-    row.split([',', ';', '\t']).map(|field| field.trim().trim_matches('"')).collect()
+    row.split([',', ';', '\t']).take(MOST_COLUMNS + 1).map(|field| field.trim().trim_matches('"')).collect()
 }
 
 /// Reads columns of coordinates in mm, with the feed rate in mm/min and the kind of the move where there are such columns.

@@ -226,7 +226,9 @@ fn apt_and_columns_are_read() {
     ] {
         assert_eq!(points(text), expected, "{text}");
     }
+    let wide = format!("x,y,z,n\n0,0,1{}", ",".repeat(1_000));
     for (text, kind) in [
+        (wide.as_str(), ProgramFaultKind::Number),
         ("GOTO/0,0,1\nCIRCLE/0,0,0,0,0,1,5\n", ProgramFaultKind::Arc),
         ("GOTO/0,0,1\nCIRCLE/0,5,0,0,0,1,3\nGOTO/5,5,1", ProgramFaultKind::Arc),
         ("GOTO/0,0,1\nCIRCLE/0,5,0,0,0.6,0.8,5\nGOTO/5,5,1", ProgramFaultKind::Arc),
