@@ -250,7 +250,7 @@ impl Confidence<SurfaceWeakness> {
             Reason::over(SurfaceWeakness::InconsistentOrientation, surface.turned_area_share, 0.001, 0.05),
             Reason::missing_area(SurfaceWeakness::NotClosed, surface.missing_area, tolerance),
             Reason::over(SurfaceWeakness::HiddenArea, surface.hidden_area_share, 0.001, 0.1),
-            // A path over a small part of a surface is meant so more often than one over hardly any of it.
+            // A path for a small part of a surface is intended more often than one for hardly any of it.
             Reason::over(SurfaceWeakness::PathMisplaced, missed_or_cut_share, 0.5, 0.95),
             Reason::over(SurfaceWeakness::AssumedPathFeed, assumed_feed_share, 0.01, f64::INFINITY),
             // A move and the two about it are a pass with its links.

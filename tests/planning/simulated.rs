@@ -130,6 +130,9 @@ async fn a_plan_is_written_as_a_program_that_the_service_reads() {
     for member in ["residual_mm", "cutting_length_mm", "machining_time_s", "gouge", "uncut_share"] {
         assert_eq!(of_passes[member], tips[member], "{member}");
     }
+    let both = json!({"path": {"passes": passes, "program": "G0 X0 Y0 Z9"}});
+    let both = app.post("/v1/path-check", &with(with(job.clone(), grid()), both)).await;
+    assert_eq!(both.faults(), (422, vec![("/path", "conflicting-fields")]));
     let mut faulty = passes.clone();
     faulty["move"][3] = json!("jump");
     faulty["operation"].as_array_mut().unwrap().push(json!(0));

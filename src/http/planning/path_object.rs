@@ -45,6 +45,9 @@ members! {
 impl PathMembers {
     fn build(self, path: &JsonPath<'_>, faults: &mut Faults) -> Result<StatedPath, Faulted> {
         let (program, passes, tip, rapid, feed_rates) = (self.program?, self.passes?, self.tip?, self.rapid?, self.feed_rates?);
+        if program.is_some() && passes.is_some() {
+            return Err(faults.add(path, RequestFault::ConflictingFields, "give program, passes or tip_mm"));
+        }
         match (program.or(passes), tip) {
             (Some(_), _) if rapid.is_some() || feed_rates.is_some() => Err(faults.add(
                 path,

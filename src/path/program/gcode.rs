@@ -103,7 +103,7 @@ impl State {
                 // Fanuc's smoothing, where LinuxCNC has splines: G5 P10000 and G5.1 Q1, there with axes as parameters.
                 Some(50) if has('P') && !has('Q') => {}
                 Some(51) if has('Q') => block.parameters = true,
-                // A shift by nothing ends the one before, of which there is none.
+                // A shift by zero ends an earlier one; others are refused, so that there is none.
                 Some(520) if words.iter().all(|word| word.letter == 'G' || word.value == 0.0) => block.parameters = true,
                 _ => self.g(*word, &mut block, line, collected),
             }
