@@ -189,6 +189,8 @@ impl State {
             Some(180) => self.plane = [2, 0, 1],
             Some(190) => self.plane = [1, 2, 0],
             Some(200 | 7000) => self.millimetres = 25.4,
+            // Alone it says nothing about feeds: Siemens leaves them in the unit of the machine.
+            Some(700) if self.millimetres > 1.0 => {}
             Some(210 | 710 | 7100) => self.millimetres = 1.0,
             Some(280 | 300 | 530 | 1530) => block.reference = true,
             Some(900) => self.absolute = true,

@@ -34,6 +34,7 @@ fn programs_are_read_as_their_controls_run_them() {
         ("%\nO0001 (PART (1)\nN10 G0 X1 Y2 Z3\nN20 G00 Z1\nM30\n%", "?1,2,3 r1,2,1"),
         ("G0 X 1 Y 2 Z 3\nG01 X 2 F 50", "?1,2,3 f2,2,3@50"),
         ("G20\nG0 X1 Y0 Z1\nG1 X2 F10", "?25.4,0,25.4 f50.8,0,25.4@254"),
+        ("G00G20G17G90G40G49G80\nG70G91.1\nG00 X 1.0000 Y 0.0000 Z 1\nG01 X 2 F 10", "?25.4,0,25.4 f50.8,0,25.4@254"),
         ("G0 X0 Y0 Z0\nG91\nG1 X1 F10\nX1 Y1\nG90\nX0", "?0,0,0 f1,0,0@10 f2,1,0@10 f0,1,0@10"),
         ("G0 X0 Y0\nZ5\nX1", "?0,0,5 r1,0,5"),
         ("G0 Z5\nX0 Y0\nG1 X1 F5", "?0,0,5 f1,0,5@5"),
@@ -214,6 +215,13 @@ fn apt_and_columns_are_read() {
              SPINDL/RPM,12000\nRAPID\nGOTO/0,0,5,0,0,1\nPAINT/COLOR,42\nFEDRAT/MMPM,250.0\nGOTO/0,0,1\nEND-OF-PATH",
             "?0,0,5 f0,0,1@250",
         ),
+        (
+            "PARTNO A PART\nINTOL /    0.01000\nOUTOL /    0.01000\nTLAXIS/ 0.000000, 0.000000, 1.000000\nCUTTER/ 6.0, 3.0, 0.0, 3.0, 0.0,$\n 0.0, 50.0\n\
+             TOOLNO/1, 6.000000, 3.000000,, 100.0,$\n 60.0, 50.0,$\n 0.0,MMPM, 70.0,RPM,CLW,ON,,NOTE\nSWITCH/1\nLOADTL/1,1\nFEDRAT/ 250.0000,MMPM\n\
+             RAPID\nGOTO  /    0.00000,    0.00000,    5.00000\nGOTO  /    0.00000,    0.00000,    1.00000, 0.000000, 0.000000, 1.000000\nCYCLE/OFF\nREWIND/0\nFINI",
+            "?0,0,5 f0,0,1@250",
+        ),
+        ("OPER_NAME_A/FINE\nSELECT/TOOL,2\nCLEARP/XYPLAN,30\nSET/MODE,ABSOL\nHEAD/1\nGOTO/0,0,1\nGODLTA/1,0,-1", "?0,0,1 f1,0,0"),
         ("UNITS/INCHES\nFEDRAT/10,IPM\nCUTCOM/OFF\nGOTO/0,0,1\nGOTO/1,0,1", "?0,0,25.4 f25.4,0,25.4@254"),
         ("x,y,z\n0,0,1\n1,0,1\n", "?0,0,1 f1,0,1"),
         ("0;0;1;500\n1;0;1;500\n", "?0,0,1 f1,0,1@500"),
@@ -232,6 +240,12 @@ fn apt_and_columns_are_read() {
         ("GOTO/0,0,1\nCIRCLE/0,0,0,0,0,1,5\n", ProgramFaultKind::Arc),
         ("GOTO/0,0,1\nCIRCLE/0,5,0,0,0,1,3\nGOTO/5,5,1", ProgramFaultKind::Arc),
         ("GOTO/0,0,1\nCIRCLE/0,5,0,0,0.6,0.8,5\nGOTO/5,5,1", ProgramFaultKind::Arc),
+        ("GOTO/10,0,1\nMOVARC/0,0,1,0,0,1,10,ANGLE,270\nGOTO/0,10,1", ProgramFaultKind::Arc),
+        ("GOTO/10,0,1\nTLON,GOFWD/(CIRCLE/0,0,1,10),ON,(LINE/0,0,1,0,10,1)", ProgramFaultKind::Arc),
+        ("INDIRV/0,1,0\nTLON,GOFWD/(CIRCLE/0,0,1,10),ON,(LINE/0,0,1,0,10,1)\nGOTO/10,0,1", ProgramFaultKind::Arc),
+        ("GOTO/10,0,1\nTLON,GOFWD/(CIRCLE/CANON,0,0,1,0,0,1,10),ON,(PLANE/0,1,0,0)", ProgramFaultKind::Arc),
+        ("GOTO/10,0,1\nTLAXIS/0,0.5,0.866\n", ProgramFaultKind::Axis),
+        ("GOTO/10,0,1\nRAPID,GOTO/0,0,5\n", ProgramFaultKind::UnknownWord),
         ("GOTO/0,0,1\nCYCLE/DRILL,5\n", ProgramFaultKind::Cycle),
         ("GOTO/0,0,1\nCUTCOM/LEFT\n", ProgramFaultKind::Transformation),
         ("MSYS/0,0,0,1,0,0,0,1,0\nMSYS/0,0,5,1,0,0,0,1,0\nGOTO/0,0,1", ProgramFaultKind::Transformation),
@@ -315,13 +329,25 @@ fn circles_of_cutter_location_files_are_chords() {
         ("GOTO/10,0,1\nCIRCLE/0,0,1,0,0,-1,10,0.01,0.5,20,5\nGOTO/0,10,1", 270.0, 10.0),
         ("GOTO/0,0,5\nCIRCLE/0,0,0,0,-1,0,5\nGOTO/5,0,0", 270.0, 5.0),
         ("GOTO/0,0,5\nCIRCLE/0,0,0,0,1,0,5\nGOTO/5,0,0", 90.0, 5.0),
+        ("GOTO/10,0,1\nMOVARC/0,0,1,0,0,-1,10,ANGLE,270\nGOTO/0,10,1", 270.0, 10.0),
+        ("GOTO/10,0,1\nMOVARC/ CENTER, 0, 0, 1, AXIS, 0, 0, 1, RADIUS, 10\nGOTO/ 10, 0, 1", 360.0, 10.0),
+        ("GOTO/10,0,1\nINDIRV/ 0, 1, 0\nTLON,GOFWD/ (CIRCLE/ 0, 0, 1,$\n 10),ON,(LINE/ 0, 0, 1,$\n 0, 10, 1)", 90.0, 10.0),
+        ("GOTO/10,0,1\nINDIRV/ 0, 1, 0\nTLON,GOFWD/ (CIRCLE/ 0, 0, 1,$\n 10),ON,2,INTOF,$\n (LINE/ 0, 0, 1, 0, -10, 1)", 270.0, 10.0),
+        (
+            "GOTO/0,0,5\nINDIRV/ 1, 0, 0\nTLON,GOFWD/ (CYLNDR/ 0, 0, 0,$\n 0, 1, 0, 5), ON,$\n (PLANE/PERPTO,$\n (PLANE/(POINT/0, 0, 0),PERPTO,$\n (VECTOR/0, 1, 0)),$\n \
+             (POINT/ 0, 0, 0),$\n (POINT/ -5, 0, 0))",
+            270.0,
+            5.0,
+        ),
     ] {
         let program = program(text);
         let length: f64 =
             program.moves().0.iter().map(|each| (0..3).map(|axis| (each.to[axis] - each.from[axis]).powi(2)).sum::<f64>().sqrt()).sum();
+        let is_circle = |line: &&str| ["CIRCLE", "MOVARC", "TLON"].iter().any(|word| line.starts_with(word));
+        let line = text.lines().zip(1..).find(|(line, _)| is_circle(line)).unwrap().1;
         // Chords are shorter than their arcs by a share of 4/3 of the sagitta over the radius.
         assert_relative_eq!(length, sweep.to_radians() * radius, max_relative = 3e-4);
-        assert!(program.points.iter().skip(1).all(|point| point.line == 3 && point.reached == Reached::Feed));
+        assert!(program.points.iter().skip(1).all(|point| point.line == line && point.reached == Reached::Feed));
     }
 }
 
@@ -346,6 +372,11 @@ fn new_feeds_change_nothing_but_feed_words() {
         ("n;X (mm);Y (mm);Z (mm)\na;0;0;1\nb;1;0;1\n", 321.0, "n;X (mm);Y (mm);Z (mm);feed_rate_mm_min\na;0;0;1\nb;1;0;1;321\n"),
         ("0;0;1;500\n1;0;1;500\n", 321.0, "0;0;1;500\n1;0;1;321\n"),
         ("GOTO/0,0,1\nGOTO/1,0,1\nGOTO/2,0,1\n", 300.0, "GOTO/0,0,1\nFEDRAT/300,MMPM\nGOTO/1,0,1\nGOTO/2,0,1\n"),
+        (
+            "GOTO/9,0,1\nFEDRAT/900\nGOTO/1,0,1\n fedrat/900\nCIRCLE/0,0,1,0,0,1,1\nGOTO/0,1,1\n",
+            300.0,
+            "GOTO/9,0,1\nFEDRAT/900\nFEDRAT/300,MMPM\nGOTO/1,0,1\n fedrat/900\nFEDRAT/300,MMPM\nCIRCLE/0,0,1,0,0,1,1\nGOTO/0,1,1\n",
+        ),
     ] {
         let written = with(text, feed, false);
         assert_eq!(written, expected);

@@ -229,7 +229,12 @@ pub fn with_feeds(text: &str, program: &Program, feed_rates: &[f64], old_in_comm
                 written.push_str(block);
             }
             (Dialect::Columns, wanted) => row_with_feed(block, wanted, &mut feed_column, &mut written),
-            (Dialect::Apt, None) => written.push_str(block),
+            (Dialect::Apt, None) => {
+                if block.trim_start().to_ascii_uppercase().starts_with("FEDRAT") {
+                    modal = None;
+                }
+                written.push_str(block);
+            }
         }
         written.push_str(&line[block.len()..]);
     }
