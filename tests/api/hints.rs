@@ -35,6 +35,21 @@ async fn misplaced_members_are_told_where_they_belong() {
     ] {
         assert_eq!(detail(&problem, pointer), expected);
     }
+    // Objects that are not there: the members of a query, sent as JSON.
+    let flat =
+        json!({"type": "ball_end", "diameter_mm": 6, "slope_deg": 20, "feed_angle_deg": 0, "step_over_mm": 0.5, "along_per_mm": 0.01});
+    let problem = app.refusal("/v1/scallop-height", &flat).await;
+    for (pointer, expected) in [
+        ("/type", "type belongs in cutter, not here"),
+        ("/diameter_mm", "diameter_mm belongs in cutter, not here"),
+        ("/slope_deg", "slope_deg belongs in contact, not here"),
+        ("/along_per_mm", "along_per_mm belongs in surface_curvature, not here"),
+    ] {
+        assert_eq!(detail(&problem, pointer), expected);
+    }
+    let columns = json!({"cutter": {"type": "ball_end", "diameter_mm": 6}, "slope_deg": [20], "feed_angle_deg": [0], "step_over_mm": 0.5});
+    let problem = app.refusal("/v1/scallop-height/batch", &columns).await;
+    assert_eq!(detail(&problem, "/slope_deg"), "slope_deg belongs in contacts, not here");
     // In a recommendation the same member belongs to the cutter.
     let problem = app
         .refusal(

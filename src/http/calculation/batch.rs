@@ -50,6 +50,7 @@ fn compute<C: Calculation>(body: &JsonBody, cancel: &CancelFlag) -> Result<Writt
         let (defaults, batch) = Batch::<C>::read(object, faults);
         let path = path.member(CONTACTS);
         let Some(contacts) = object.take(CONTACTS, faults) else {
+            faults.object_knows(&path, Contacts::names(C::STATED));
             return Err(faults.add(&path, RequestFault::MissingField, "the field is missing: the contacts to compute"));
         };
         let contacts = Contacts::open(contacts, C::STATED, path, faults)?;

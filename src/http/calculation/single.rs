@@ -8,7 +8,8 @@ use crate::http::problem::Problem;
 use crate::http::query::Query;
 use crate::http::reading::{Components, Faulted, Faults, Kind, Members, Object, ObjectSchema};
 use crate::http::wire::{
-    CONTACT, Check, ContactParameters, Figures, Heights, InOrder, MODEL, SharedMembers, SharedParameters, StatedContact, Warning, no_answer,
+    Check, ContactParameters, Figures, Heights, InOrder, MODEL, OneContact, SharedMembers, SharedParameters, StatedContact, Warning,
+    no_answer,
 };
 use crate::http::work::Work;
 use crate::milling::{Envelope, EvaluatedPass, Model, NoAnswer, Pass};
@@ -51,7 +52,7 @@ pub(super) fn warnings_schema(components: &mut Components) -> ArrayBuilder {
 
 /// The schema of a request with one contact.
 pub(super) fn describe_request<C: Calculation>(components: &mut Components) -> RefOr<Schema> {
-    let schema = ObjectSchema::new("A calculation at one contact", components).with::<SharedMembers>().required(&CONTACT);
+    let schema = ObjectSchema::new("A calculation at one contact", components).with::<SharedMembers>().with::<OneContact>();
     schema.with_members(C::STATED.members()).with::<C::Members>().build()
 }
 
@@ -84,7 +85,7 @@ fn may_state_curvature(request: &[u8], escape: u8) -> bool {
 fn read<C: Calculation>(object: &mut Object<'_, '_>, faults: &mut Faults, cancel: &CancelFlag) -> Result<Answer, Faulted> {
     let path = object.path();
     let shared = SharedParameters::read(object, faults);
-    let contact = object.required(&CONTACT, faults);
+    let contact = OneContact::read(object, faults).contact;
     let parameters = ContactParameters::read(object, C::STATED, faults);
     let members = C::Members::read(object, faults);
     let calculation = C::new(members, shared.as_ref().map_err(|faulted| *faulted), faults);

@@ -1,6 +1,6 @@
 //! The faults of a request, each with its code and its location: the path to a value of the JSON text.
 
-use super::not_finite;
+use super::{AnyMember, not_finite};
 use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, NoAnswerCode, ProblemFigure, RequestFault};
 use crate::milling::NoAnswer;
@@ -113,6 +113,16 @@ impl Faults {
     pub(crate) fn object_knows(&mut self, path: &JsonPath<'_>, names: Vec<&'static str>) {
         if path.is_outer() {
             self.objects.push((path.to_string(), names));
+        }
+    }
+
+    /// Records the names that a member at `path` may have if it is an object, unless it was read: what reading an empty one records.
+    pub(super) fn absent_knows(&mut self, path: &JsonPath<'_>, member: &dyn AnyMember) {
+        let place = path.to_string();
+        if self.objects.iter().all(|(read, _)| *read != place) {
+            let mut of_empty = Self::default();
+            member.check(serde_json::from_str("{}").unwrap_or(RawValue::NULL), *path, &mut of_empty);
+            self.objects.append(&mut of_empty.objects);
         }
     }
 

@@ -163,6 +163,7 @@ macro_rules! members {
 
                 #[allow(unused_variables, reason = "a struct may have no members")]
                 fn read(object: &mut Object<'_, '_>, faults: &mut Faults) -> Self {
+                    object.declare(Self::DECLARED);
                     Self { $( $field: object.$presence(&$member, faults), )* }
                 }
             }
@@ -203,6 +204,7 @@ pub(crate) struct Object<'a, 'p> {
     members: Vec<(Cow<'a, str>, &'a RawValue)>,
     unkept: usize,
     pub(super) known: Vec<&'static str>,
+    declared: Vec<&'static [Declared]>,
 }
 
 impl<'a, 'p> Object<'a, 'p> {
@@ -228,12 +230,19 @@ impl<'a, 'p> Object<'a, 'p> {
 
     /// The object of these members.
     pub(super) fn of_members(members: Vec<(Cow<'a, str>, &'a RawValue)>, path: JsonPath<'p>) -> Self {
-        Self { path, members, unkept: 0, known: Vec::with_capacity(12) }
+        Self { path, members, unkept: 0, known: Vec::with_capacity(12), declared: Vec::new() }
     }
 
     /// The path to the object.
     pub(crate) fn path(&self) -> JsonPath<'p> {
         self.path
+    }
+
+    /// Keeps the members of the request's outer objects, for the faults of misplaced ones.
+    pub(crate) fn declare(&mut self, members: &'static [Declared]) {
+        if self.path.is_outer() {
+            self.declared.push(members);
+        }
     }
 
     /// Whether a member is present and not taken yet.
@@ -318,6 +327,11 @@ impl<'a, 'p> Object<'a, 'p> {
                 }
                 None => faults.add(&path, RequestFault::UnknownField, "unknown field"),
             });
+        }
+        if result.is_err() {
+            // A misplaced member may belong in an object that is not there.
+            let absent = self.declared.into_iter().flatten().map(|declared| declared.member);
+            absent.for_each(|member| faults.absent_knows(&self.path.member(member.name()), member));
         }
         faults.object_knows(&self.path, self.known);
         result

@@ -4,8 +4,8 @@
 use super::contact_parameters::{CUTTER, ContactParameters, FEED_PER_TOOTH, RUNOUT, StatedParameters, TOLERANCE};
 use crate::http::codes::RequestFault;
 use crate::http::reading::{
-    AddMembers, AnyMember, Columns, Components, Fault, Faulted, Faults, Form, JsonPath, Kind, Member, Members, Number, Object, Quantity,
-    Vector, describe, items, members,
+    AddMembers, AnyMember, Columns, Components, Fault, Faulted, Faults, Form, JsonPath, Kind, Members, Number, Object, Quantity, Vector,
+    describe, items, members,
 };
 use crate::milling::{Contact, ContactError, NoAnswer};
 use crate::quantity::OutOfRange;
@@ -34,12 +34,13 @@ members! {
     }
 }
 
-/// The member `contact` of a calculation at one contact.
-pub(crate) const CONTACT: Member<ContactKind> = Member::new(
-    "contact",
-    "slope and feed direction at the point where the cutter touches the surface, by angles or by vectors",
-    ContactKind,
-);
+members! {
+    /// The contact of a calculation at one contact.
+    pub(crate) struct OneContact {
+        contact: required CONTACT: ContactKind = ("contact", ContactKind,
+            "slope and feed direction at the point where the cutter touches the surface, by angles or by vectors"),
+    }
+}
 
 /// A contact, and the member that states its slope, to which faults of the slope point.
 #[derive(Debug, Clone, Copy)]
@@ -136,6 +137,11 @@ impl<'a> Contacts<'a> {
     /// The largest number of contacts in a request. Without this limit, a body of the largest size could hold some ten
     /// million. With it, an answer stays below about 100 MB.
     pub(crate) const MOST: usize = 250_000;
+
+    /// The names of the members of contacts with the parameters that `stated` allows.
+    pub(crate) fn names(stated: StatedParameters) -> Vec<&'static str> {
+        known(stated).map(|member| member.name()).collect()
+    }
 
     /// Opens an array or an object of columns.
     pub(crate) fn open(raw: &'a RawValue, stated: StatedParameters, path: JsonPath<'_>, faults: &mut Faults) -> Result<Self, Faulted> {

@@ -20,7 +20,7 @@ mod warning_object;
 
 pub(crate) use answer_macro::answer;
 pub(crate) use candidate_object::{CandidateKind, LibraryFilter, LibraryFilterKind, MOST_CUTTERS, NamedCandidate, SPINDLE_SPEED};
-pub(crate) use contact_object::{BatchContact, CONTACT, Contacts, StatedContact, no_answer};
+pub(crate) use contact_object::{BatchContact, Contacts, OneContact, StatedContact, no_answer};
 pub(crate) use contact_parameters::{
     CUTTER, ContactParameters, MODEL, PLAN_MODEL, SharedMembers, SharedParameters, StatedParameters, TOLERANCE,
 };
