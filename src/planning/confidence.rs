@@ -156,7 +156,7 @@ impl fmt::Display for Reason<SurfaceWeakness> {
         match self.weakness {
             SurfaceWeakness::NotMilled => write!(
                 f,
-                "{figure:.0} candidates with shorter estimated times have paths too long to be milled; their figures are estimates"
+                "of the candidates with shorter estimated times, {figure:.0} have paths too long to be milled; their figures are estimates"
             ),
             SurfaceWeakness::OperationsNotPlanned => write!(
                 f,
@@ -215,7 +215,7 @@ impl fmt::Display for Reason<SurfaceWeakness> {
             }
             SurfaceWeakness::PathMisplaced => write!(
                 f,
-                "{:.1} % of the area is missed or cut into by the path: select the facets that it is for; or its zero point, unit, cutter or tip is another",
+                "{:.1} % of the area is missed or cut into by the path: select the facets that it is for; or its zero point, unit, cutter or tip is wrong",
                 100.0 * figure
             ),
             SurfaceWeakness::CornersNotTimed => write!(
