@@ -1,6 +1,6 @@
 //! The faults of a request, each with its code and its location: the path to a value of the JSON text.
 
-use super::{AnyMember, not_finite};
+use super::not_finite;
 use crate::cancellation::CancelFlag;
 use crate::http::codes::{FaultCode, NoAnswerCode, ProblemFigure, RequestFault};
 use crate::milling::NoAnswer;
@@ -116,14 +116,15 @@ impl Faults {
         }
     }
 
-    /// Records the names that a member at `path` may have if it is an object, unless it was read: what reading an empty one records.
-    pub(super) fn absent_knows(&mut self, path: &JsonPath<'_>, member: &dyn AnyMember) {
+    /// Whether the names of the object at `path` are recorded.
+    pub(super) fn knows_object(&self, path: &JsonPath<'_>) -> bool {
         let place = path.to_string();
-        if self.objects.iter().all(|(read, _)| *read != place) {
-            let mut of_empty = Self::default();
-            member.check(serde_json::from_str("{}").unwrap_or(RawValue::NULL), *path, &mut of_empty);
-            self.objects.append(&mut of_empty.objects);
-        }
+        self.objects.iter().any(|(known, _)| *known == place)
+    }
+
+    /// Takes the names of objects from `others`, and nothing else.
+    pub(super) fn take_in_objects(&mut self, others: Self) {
+        self.objects.extend(others.objects);
     }
 
     /// Replaces the texts of unknown members by those of `text`, which takes the pointer of the object and its known names.

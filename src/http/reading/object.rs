@@ -329,9 +329,15 @@ impl<'a, 'p> Object<'a, 'p> {
             });
         }
         if result.is_err() {
-            // A misplaced member may belong in an object that is not there.
-            let absent = self.declared.into_iter().flatten().map(|declared| declared.member);
-            absent.for_each(|member| faults.absent_knows(&self.path.member(member.name()), member));
+            // A misplaced member may belong in an object that is not there. Reading an empty one records the names that it may have.
+            for member in self.declared.into_iter().flatten().map(|declared| declared.member) {
+                let path = self.path.member(member.name());
+                if !faults.knows_object(&path) {
+                    let mut of_empty = Faults::default();
+                    member.check(serde_json::from_str("{}").unwrap_or(RawValue::NULL), path, &mut of_empty);
+                    faults.take_in_objects(of_empty);
+                }
+            }
         }
         faults.object_knows(&self.path, self.known);
         result

@@ -140,7 +140,7 @@ impl<'a> Contacts<'a> {
 
     /// The names of the members of contacts with the parameters that `stated` allows.
     pub(crate) fn names(stated: StatedParameters) -> Vec<&'static str> {
-        known(stated).map(|member| member.name()).collect()
+        known(stated).map(AnyMember::name).collect()
     }
 
     /// Opens an array or an object of columns.

@@ -17,6 +17,7 @@ use crate::milling::Profile;
 use crate::path::{Milled, Move, Sampling};
 use crate::quantity::Length;
 use std::cell::Cell;
+use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 /// The share of the scallop height by which chords between the tips of a plan may differ from the tips' surface.
@@ -54,8 +55,16 @@ const LONG: usize = 300_000;
 /// A tip of level curves takes as long as this many samples of lines.
 const SAMPLES_OF_TIP: usize = 20;
 
-/// The samples of all candidates beyond which no candidate is planned: some thirty seconds on two threads.
-pub(super) const MOST_OF_ALL: usize = 8_000_000;
+/// A station at which a path is judged takes as long as this many samples of lines, times the root of the number of moves over the
+/// cutter's width there.
+const SAMPLES_OF_STATION: f64 = 0.06;
+
+/// The samples of all candidates beyond which no candidate is planned, some half a minute on two threads. Where several operations are
+/// asked for, time is left for these: the samples beyond which no candidate is planned after one that keeps the scallop height, and
+/// those beyond which no operations are.
+pub(super) const MOST_OF_ALL: usize = 9_000_000;
+pub(super) const MOST_BEFORE_OPERATIONS: usize = 3_000_000;
+pub(super) const MOST_WITH_OPERATIONS: usize = 6_000_000;
 
 /// The samples of all candidates beyond which no further round of lines is made.
 const MOST_OF_ROUNDS: usize = 10_000_000;
@@ -347,9 +356,18 @@ impl Planner<'_> {
 
     /// What moves leave at stations.
     pub(super) fn judged(&self, stations: &[Station], family: &Family, moves: &[Move]) -> Result<Vec<Judged>, NoPlan> {
-        let Self { workpiece, prepared, settings, stop, .. } = *self;
+        let Self { workpiece, prepared, settings, samples, stop, .. } = *self;
+        samples.set(samples.get() + self.samples_of_judging(stations.len(), moves.len()));
         let milled = Milled::new(&prepared.profile, moves, stop).ok_or(NoPlan::Stopped)?;
         judged(workpiece, stations, prepared, family, &milled, settings.scallop_height.mm(), stop).ok_or(NoPlan::Stopped)
+    }
+
+    /// About how many samples of lines take as long as judging that many moves at that many stations.
+    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts")]
+    fn samples_of_judging(&self, stations: usize, moves: usize) -> usize {
+        let [low, high] = self.workpiece.bounds;
+        let share = PI * self.prepared.profile.outer_radius().powi(2) / ((high[0] - low[0]) * (high[1] - low[1]));
+        (SAMPLES_OF_STATION * stations as f64 * (moves as f64 * share.min(1.0)).sqrt()) as usize
     }
 
     fn finish(&self, stations: &[Station], judged: &[Judged]) -> FinishFigures {

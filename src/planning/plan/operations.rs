@@ -4,7 +4,7 @@ use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
 use super::judged::{FinishFigures, Judged, KEPT, deepest_cut, judged};
-use super::milled_plan::{MOST_OF_ALL, NoPlan, Planner};
+use super::milled_plan::{MOST_WITH_OPERATIONS, NoPlan, Planner};
 use super::settings::{CandidateCutter, Pattern, PlanSettings};
 use super::spacing::{Prepared, rows_of};
 use super::stations::{Cells, DrawnPlace, ESTIMATED_ON, JUDGED_ON, Region, Set, Station, drawn, drawn_until, stations, within};
@@ -296,7 +296,7 @@ pub(super) fn operations(
     for _ in 0..MOST_PLANNED {
         let expected = arrangements.iter().map(|arrangement| arranged.expected(arrangement)).enumerate();
         let faster = expected.filter(|(_, seconds)| *seconds < limit);
-        if samples.get() >= MOST_OF_ALL {
+        if samples.get() >= MOST_WITH_OPERATIONS {
             search.not_planned = faster.count();
             break;
         }
@@ -523,7 +523,7 @@ mod tests {
         let searched = |samples: usize| operations(&part, &candidates, &settings, &single, &Cell::new(samples), &|| false);
         let whole = searched(0);
         assert!(whole.best.is_some() && whole.not_planned == 0);
-        let cut_short = searched(MOST_OF_ALL);
+        let cut_short = searched(MOST_WITH_OPERATIONS);
         assert!(cut_short.best.is_none() && cut_short.not_planned > 0);
     }
 }

@@ -5,7 +5,7 @@ use super::candidate_plan::{CandidatePlan, NotRankedReason, UnrankedCandidate};
 use super::estimated_candidate::EstimatedCandidate;
 use super::family::{Family, Heading};
 use super::judged::KEPT;
-use super::milled_plan::{Draft, MOST_OF_ALL, MilledPlan, NoPlan, Planner};
+use super::milled_plan::{Draft, MOST_BEFORE_OPERATIONS, MOST_OF_ALL, MilledPlan, NoPlan, Planner};
 use super::operations::{OperationsPlan, OperationsSearch, operations};
 use super::settings::{CandidateCutter, PlanSettings};
 use super::spacing::rows_of;
@@ -139,7 +139,9 @@ impl Job<'_> {
         let sets: [OnceCell<Vec<DrawnPlace>>; 4] = Default::default();
         let (mut plans, mut without_lines) = (Vec::new(), Vec::new());
         for of_candidate in estimated {
-            if of_candidate.shortest() > limit || samples.get() >= MOST_OF_ALL {
+            let leaves_time = settings.most_operations > 1 && fastest_of(&plans).is_finite();
+            let most_samples = if leaves_time { MOST_BEFORE_OPERATIONS } else { MOST_OF_ALL };
+            if of_candidate.shortest() > limit || samples.get() >= most_samples {
                 plans.push(of_candidate.unmilled(workpiece, settings));
                 continue;
             }
