@@ -175,10 +175,10 @@ impl Reader<'_> {
         };
         let (about, end) = match group("CIRCLE") {
             Some(circle) => {
-                let ([x, y, z, radius], line) = (circle[..].try_into().ok()?, group("LINE")?);
-                let [from @ .., x_end, y_end, z_end] = &line[..] else { return None };
-                let is_radial = from.len() == 3 && from.iter().zip([x, y, z]).all(|(from, centre): (_, f64)| (from - centre).abs() < 1e-3);
-                (is_radial.then_some([x, y, z, 0.0, 0.0, 1.0, radius])?, [*x_end, *y_end, *z_end])
+                let [x, y, z, radius]: [f64; 4] = circle.try_into().ok()?;
+                let [x_from, y_from, z_from, x_end, y_end, z_end]: [f64; 6] = group("LINE")?.try_into().ok()?;
+                let is_from_centre = [x_from - x, y_from - y, z_from - z].iter().all(|off| off.abs() < 1e-3);
+                (is_from_centre.then_some([x, y, z, 0.0, 0.0, 1.0, radius])?, [x_end, y_end, z_end])
             }
             None => (group("CYLNDR")?.try_into().ok()?, group("POINT")?.try_into().ok()?),
         };
@@ -243,7 +243,7 @@ impl Circle {
             return None;
         }
         if let Some(sweep) = self.sweep {
-            // The other way round would turn the rest of the circle.
+            // Some posts write the axis of a clockwise arc the wrong way round, which would turn the rest of the circle.
             let angle = |point: [f64; 3]| (point[second] - self.centre[1]).atan2(point[first] - self.centre[0]);
             let turned = if self.clockwise { angle(start) - angle(end) } else { angle(end) - angle(start) }.rem_euclid(TAU);
             let off = |turned: f64| ((turned - sweep + PI).rem_euclid(TAU) - PI).abs();

@@ -243,7 +243,6 @@ fn apt_and_columns_are_read() {
         ("GOTO/10,0,1\nMOVARC/0,0,1,0,0,1,10,ANGLE,270\nGOTO/0,10,1", ProgramFaultKind::Arc),
         ("GOTO/10,0,1\nTLON,GOFWD/(CIRCLE/0,0,1,10),ON,(LINE/0,0,1,0,10,1)", ProgramFaultKind::Arc),
         ("INDIRV/0,1,0\nTLON,GOFWD/(CIRCLE/0,0,1,10),ON,(LINE/0,0,1,0,10,1)\nGOTO/10,0,1", ProgramFaultKind::Arc),
-        ("GOTO/10,0,1\nTLON,GOFWD/(CIRCLE/CANON,0,0,1,0,0,1,10),ON,(PLANE/0,1,0,0)", ProgramFaultKind::Arc),
         ("GOTO/10,0,1\nTLAXIS/0,0.5,0.866\n", ProgramFaultKind::Axis),
         ("GOTO/10,0,1\nRAPID,GOTO/0,0,5\n", ProgramFaultKind::UnknownWord),
         ("GOTO/0,0,1\nCYCLE/DRILL,5\n", ProgramFaultKind::Cycle),
@@ -261,6 +260,15 @@ fn apt_and_columns_are_read() {
     ] {
         let faults = read(text, &SETTINGS).unwrap_err();
         assert_eq!((faults[0].kind, faults[0].line), (kind, 2), "{text}");
+    }
+    for circle in [
+        "(CIRCLE/CANON,0,0,1,0,0,1,10),ON,(PLANE/0,1,0,0)",
+        "(CIRCLE/0,0,1,10),ON,(LINE/1,0,1,0,10,1)",
+        "(CIRCLE/0,0,1,9),ON,(LINE/0,0,1,0,9,1)",
+        "(CYLNDR/0,0,1,0,0.6,0.8,10),ON,(POINT/0,10,1)",
+    ] {
+        let faults = read(&format!("GOTO/10,0,1\nINDIRV/0,1,0\nTLON,GOFWD/{circle}"), &SETTINGS).unwrap_err();
+        assert_eq!((faults[0].kind, faults[0].line), (ProgramFaultKind::Arc, 3), "{circle}");
     }
 }
 

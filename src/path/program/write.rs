@@ -231,6 +231,7 @@ pub fn with_feeds(text: &str, program: &Program, feed_rates: &[f64], old_in_comm
             (Dialect::Columns, wanted) => row_with_feed(block, wanted, &mut feed_column, &mut written),
             (Dialect::Apt, None) => {
                 if block.trim_start().to_ascii_uppercase().starts_with("FEDRAT") {
+                    // The program's own statement holds from here on.
                     modal = None;
                 }
                 written.push_str(block);

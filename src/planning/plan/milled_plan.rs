@@ -55,8 +55,8 @@ const LONG: usize = 300_000;
 /// A tip of level curves takes as long as this many samples of lines.
 const SAMPLES_OF_TIP: usize = 20;
 
-/// A station at which a path is judged takes as long as this many samples of lines, times the root of the number of moves over the
-/// cutter's width there.
+/// A station at which a path is judged takes as long as this many samples of lines, times the root of the number of moves within the
+/// cutter's radius of it.
 const SAMPLES_OF_STATION: f64 = 0.06;
 
 /// The samples of all candidates beyond which no candidate is planned, 25 to 45 s on two threads. Where several operations are asked
