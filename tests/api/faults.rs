@@ -332,8 +332,8 @@ async fn an_unknown_member_is_answered_with_the_known_ones_of_every_form() {
         let fault = errors.iter().find(|error| error["pointer"] == pointer).unwrap_or_else(|| panic!("no {pointer} in {problem}"));
         fault["detail"].as_str().unwrap().strip_prefix("unknown field; known here: ").unwrap().to_owned()
     };
-    let contact = app.refusal(SCALLOP_HEIGHT, &json!({"cutter": ball_end(10.0), "contact": {"slope": 1}, "step_over_mm": 0.5})).await;
-    assert_eq!(known(&contact, "/contact/slope"), "slope_deg, feed_angle_deg, normal, feed, tool_axis");
+    let contact = app.refusal(SCALLOP_HEIGHT, &json!({"cutter": ball_end(10.0), "contact": {"steepness": 1}, "step_over_mm": 0.5})).await;
+    assert_eq!(known(&contact, "/contact/steepness"), "slope_deg, feed_angle_deg, normal, feed, tool_axis");
     let surface = app.refusal("/v1/cutter-recommendation", &json!({"surface": {"stl": 1}})).await;
     assert_eq!(known(&surface, "/surface/stl"), "points, grid, mesh, bezier, samples");
 }

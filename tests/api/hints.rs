@@ -50,6 +50,17 @@ async fn misplaced_members_are_told_where_they_belong() {
     let columns = json!({"cutter": {"type": "ball_end", "diameter_mm": 6}, "slope_deg": [20], "feed_angle_deg": [0], "step_over_mm": 0.5});
     let problem = app.refusal("/v1/scallop-height/batch", &columns).await;
     assert_eq!(detail(&problem, "/slope_deg"), "slope_deg belongs in contacts, not here");
+    let without_units = json!({"diameter": 6, "slope": 20, "stepOver": 0.5, "radius": 0.01});
+    let problem = app.refusal("/v1/scallop-height", &without_units).await;
+    for (pointer, expected) in [
+        ("/diameter", "unknown field; did you mean diameter_mm in cutter?"),
+        ("/slope", "unknown field; did you mean slope_deg in contact?"),
+        ("/stepOver", "unknown field; did you mean step_over_mm?"),
+    ] {
+        assert_eq!(detail(&problem, pointer), expected);
+    }
+    // A name that only resembles one of another object is not taken for it: `radial_mm` of the runout.
+    assert!(detail(&problem, "/radius").starts_with("unknown field; known here: cutter, "));
     // In a recommendation the same member belongs to the cutter.
     let problem = app
         .refusal(
@@ -72,9 +83,16 @@ async fn misplaced_members_are_told_where_they_belong() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn misspelt_members_are_told_the_nearest_name() {
     let app = TestApp::start().await;
-    for (name, meant) in
-        [("spindel_speed_rpm", "spindle_speed_rpm"), ("scallop_tolerence_mm", "scallop_tolerance_mm"), ("stepover_mm", "step_over_mm")]
-    {
+    for (name, meant) in [
+        ("spindel_speed_rpm", "spindle_speed_rpm"),
+        ("scallop_tolerence_mm", "scallop_tolerance_mm"),
+        ("stepover_mm", "step_over_mm"),
+        ("step_over", "step_over_mm"),
+        ("step-over", "step_over_mm"),
+        ("scallopTolerance", "scallop_tolerance_mm"),
+        ("scallop_tolerance_in", "scallop_tolerance_mm"),
+        ("spindle_speed", "spindle_speed_rpm"),
+    ] {
         let mut request = max_feed();
         request[name] = json!(1);
         let problem = app.refusal("/v1/max-feed", &request).await;

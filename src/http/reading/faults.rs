@@ -138,11 +138,19 @@ impl Faults {
         }
     }
 
-    /// Where a member that is unknown at `pointer` belongs: the pointer of another object that may have its name.
-    fn home_of(&self, pointer: &str) -> Option<&str> {
+    /// Where a member that is unknown at `pointer` belongs: the pointer of another object that may have its name, and the name
+    /// there, which may have another unit.
+    fn home_of(&self, pointer: &str) -> Option<(&str, &str)> {
         let (parent, name) = pointer.rsplit_once('/')?;
-        let home = self.objects.iter().find(|(place, names)| place != parent && names.contains(&name));
-        home.map(|(place, _)| place.as_str())
+        let others = || self.objects.iter().filter(|(place, _)| place != parent);
+        let other = |is_meant: &dyn Fn(&str) -> bool| {
+            others().find_map(|(place, names)| names.iter().find(|known| is_meant(known)).map(|known| (place.as_str(), *known)))
+        };
+        other(&|known| known == name).or_else(|| {
+            let (_, here) = self.objects.iter().find(|(place, _)| place == parent)?;
+            let is_near_here = nearest(name, here.iter().copied()).is_some();
+            other(&|known| bare(known) == bare(name)).filter(|_| !is_near_here)
+        })
     }
 
     /// The number of all faults, listed or not.
@@ -166,12 +174,12 @@ impl Faults {
         let unknown = FaultCode::from(RequestFault::UnknownField);
         let mut listed = std::mem::take(&mut self.listed);
         for fault in listed.iter_mut().filter(|fault| fault.code == unknown) {
-            if let Some(home) = self.home_of(&fault.pointer) {
-                let name = fault.pointer.rsplit('/').next().unwrap_or_default();
-                fault.detail = if home.is_empty() {
-                    format!("{name} belongs at the top of the request, not here")
+            if let Some((home, meant)) = self.home_of(&fault.pointer) {
+                let place = if home.is_empty() { "at the top of the request".to_owned() } else { format!("in {}", &home[1..]) };
+                fault.detail = if fault.pointer.ends_with(&format!("/{meant}")) {
+                    format!("{meant} belongs {place}, not here")
                 } else {
-                    format!("{name} belongs in {}, not here", &home[1..])
+                    format!("unknown field; did you mean {meant} {place}?")
                 };
             }
         }
@@ -189,11 +197,28 @@ impl Faults {
 }
 
 /// The name that was probably meant by an unknown one: the one that fewest changes of a letter, two at most, turn it into.
-/// Two neighbouring letters in the wrong order are one change.
+/// Two neighbouring letters in the wrong order are one change; capitals, separators, and a unit at the end count for nothing.
 pub(crate) fn nearest<'n>(unknown: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    let most = 2.min(unknown.chars().count() / 3);
-    let changes = known.map(|name| (strsim::osa_distance(unknown, name), name));
+    let most = 2.min(bare(unknown).chars().count() / 3);
+    let changes = known.map(|name| {
+        let of_bare = strsim::osa_distance(&bare(unknown), &bare(name));
+        (of_bare.min(strsim::osa_distance(&letters(unknown), &letters(name))), name)
+    });
     changes.filter(|(changes, _)| *changes <= most).min_by_key(|(changes, _)| *changes).map(|(_, name)| name)
+}
+
+/// The letters and digits of a name, in lower case: `stepover` of `stepOver` and of `step-over`.
+fn letters(name: &str) -> String {
+    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+/// The letters of a name without the unit at its end: `feedrate` of `feed_rate_mm_min`. At least one word stays.
+fn bare(mut name: &str) -> String {
+    const UNITS: [&str; 14] = ["mm", "mm2", "um", "m", "in", "inch", "deg", "rad", "rpm", "per", "min", "s", "s2", "s3"];
+    while let Some((rest, _)) = name.rsplit_once('_').filter(|(_, word)| UNITS.contains(word)) {
+        name = rest;
+    }
+    letters(name)
 }
 
 /// Describes a JSON value for the detail of a fault.
