@@ -143,10 +143,11 @@ quantity! {
 }
 
 impl Speed {
-    /// The speed in mm/min.
+    /// The speed in mm/min, to 1e-9 mm/min: a speed that was given in mm/min is again the same number.
     #[must_use]
     pub fn mm_min(self) -> f64 {
-        self.0 * 60.0
+        const STEPS: f64 = 1e9;
+        (self.0 * 60.0 * STEPS).round() / STEPS
     }
 }
 
@@ -346,6 +347,14 @@ mod tests {
             assert!(line.degrees() >= 0.0 && line.degrees() < 180.0 && line.degrees().is_sign_positive());
         }
         assert_eq!(Angle::of_line(0.0, 0.0), None);
+    }
+
+    #[test]
+    fn stated_feed_rates_are_the_same_numbers_again() {
+        for tenth in 1..200_000 {
+            let stated = f64::from(tenth) / 10.0;
+            assert_eq!(Speed::from_mm_min(stated).unwrap().mm_min(), stated);
+        }
     }
 
     #[test]

@@ -21,7 +21,7 @@ answer! {
         /// The class of machines.
         description: &'static str = preset.description,
         /// V, the feed rate of finishing, in mm/min.
-        feed_rate_mm_min: f64 [exclusive_minimum = 0, example = 5000.0] = preset.limits.feed_rate.mm_s() * 60.0,
+        feed_rate_mm_min: f64 [exclusive_minimum = 0, example = 5000.0] = preset.limits.feed_rate.mm_min(),
         /// A, the largest acceleration along the path, in m/s^2.
         acceleration_m_s2: f64 [exclusive_minimum = 0, example = 6.0] = preset.limits.acceleration.mm_s2() / 1e3,
         /// J, the largest jerk along the path, in m/s^3.
