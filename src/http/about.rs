@@ -18,8 +18,8 @@ answer! {
         limits: Limits = Limits::of(limits),
         /// The formats of surfaces in files.
         surface_formats: Vec<&'static str> = vec!["csv", "tsv", "xyz", "pcd", "stl", "obj", "ply", "3mf"],
-        /// The formats of paths in files: G-code, APT and cutter location statements, columns.
-        path_formats: Vec<&'static str> = vec!["iso", "apt", "csv"],
+        /// The formats of paths in files: G-code, Heidenhain's Klartext, APT and cutter location statements, columns.
+        path_formats: Vec<&'static str> = vec!["iso", "klartext", "apt", "csv"],
         /// The formats of tool libraries: Fusion's, FreeCAD's, and columns.
         tool_library_formats: Vec<&'static str> = vec!["json", "tools", "fctb", "csv"],
         /// The names of the machine presets.

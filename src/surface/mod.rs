@@ -9,7 +9,6 @@ mod received;
 mod sampled;
 mod shape;
 mod triangulation;
-mod unit;
 
 pub use bezier::{Bezier, BezierError};
 pub use grid::{Grid, GridError};
@@ -19,7 +18,6 @@ pub(crate) use received::{MOST_FACETS, ReceivedSurface};
 pub use sampled::{Facing, SampledSurface};
 pub use shape::{Basis, Shape, ShapeError};
 pub use triangulation::LONG_EDGE;
-pub use unit::Unit;
 
 /// The largest magnitude of a coordinate, in its own unit: the fourth powers in moments stay below 1e50, so that no sum
 /// over a surface can overflow.
@@ -35,4 +33,37 @@ pub trait Sink {
     /// Reverses the outer side of every facet; to be called after the last facet. Does nothing in a sink that ignores
     /// sides.
     fn turn_over(&mut self) {}
+}
+
+/// The unit of a surface's coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unit {
+    /// 1 mm
+    #[default]
+    Millimetre,
+    /// 10 mm
+    Centimetre,
+    /// 1000 mm
+    Metre,
+    /// 25.4 mm
+    Inch,
+    /// 0.001 mm
+    Micrometre,
+    /// 304.8 mm
+    Foot,
+}
+
+impl Unit {
+    /// The unit in mm.
+    #[must_use]
+    pub fn mm(self) -> f64 {
+        match self {
+            Self::Millimetre => 1.0,
+            Self::Centimetre => 10.0,
+            Self::Metre => 1000.0,
+            Self::Inch => 25.4,
+            Self::Micrometre => 1e-3,
+            Self::Foot => 304.8,
+        }
+    }
 }

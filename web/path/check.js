@@ -14,7 +14,7 @@ import { arrangeTolerance, heightOf, toleranceFields, toleranceOf } from '../tol
 import { excerpt, placesTable, summaryOf } from './check_answer.js';
 import { FIELDS, fieldNameOf, parametersOf } from './check_request.js';
 
-const PROGRAMS = 'G-code, APT, or CSV with x, y, z and feed rate';
+const PROGRAMS = 'G-code, Heidenhain\'s Klartext, APT, or CSV with x, y, z and feed rate';
 const SURFACES = 'STL, OBJ, PLY, PCD, 3MF, CSV, XYZ';
 
 export class ProgramCheck {

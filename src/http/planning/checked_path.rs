@@ -262,6 +262,7 @@ fn over_by_marks(finish: &Finish, fewer: &[Place], marks: &WithMarks, tolerance:
 fn word_of(dialect: Dialect) -> &'static str {
     match dialect {
         Dialect::GCode => "iso",
+        Dialect::Klartext => "klartext",
         Dialect::Apt => "apt",
         Dialect::Columns => "columns",
     }

@@ -69,7 +69,7 @@ fn describe_upload(components: &mut Components) -> RefOr<Schema> {
     let binary = || ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
     let surface = binary().description(Some("the surface file, in any format of a recommendation's upload"));
     let path =
-        binary().description(Some("the program: G-code, APT or cutter location statements, columns x, y, z and feed rate in mm/min, or the passes of an answer as JSON"));
+        binary().description(Some("the program: G-code, Heidenhain's Klartext, APT or cutter location statements, columns x, y, z and feed rate in mm/min, or the passes of an answer as JSON"));
     let parameters = components.refer("PathCheckParameters", "", |components| {
         ObjectSchema::new("The cutter, the tolerance and the machine", components).with::<PathCheckMembers>().build()
     });

@@ -32,7 +32,7 @@ pub(super) struct StatedPath {
 members! {
     /// A path: a program, or points.
     pub(super) struct PathMembers for PathKind ("Path", "A path of the tip: `program`, `passes`, or `tip_mm` with its rapids and its feed rate") -> StatedPath {
-        program: optional PROGRAM: ProgramText = ("program", ProgramText, "the text of a program in G-code, of APT statements, or of columns x, y, z and feed rate"),
+        program: optional PROGRAM: ProgramText = ("program", ProgramText, "the text of a program in G-code or Heidenhain's Klartext, of APT statements, or of columns x, y, z and feed rate"),
         passes: optional PASSES: PassesKind = ("passes", PassesKind, "the passes of an answer, as they are"),
         tip: optional TIP: PathPoints = ("tip_mm", PathPoints, "the tip's points [x, y, z] in their order"),
         rapid: optional RAPID: List<Whole> = ("rapid", List { item: Whole { minimum: 0, maximum: 1_100_000, example: 2 },

@@ -100,7 +100,7 @@ answer! {
         /// The text. A plan has a tool call for each operation, G0 and G1 alone, coordinates and feeds with a decimal point, and modal
         /// words are not repeated; a path's own program is the same, byte for byte, but for its feed words.
         pub(super) text: String,
-        /// The dialect of the text: `iso`, `apt` or `columns`.
+        /// The dialect of the text: `iso`, `klartext`, `apt` or `columns`.
         pub(super) dialect: &'static str [example = "iso"],
     }
 }

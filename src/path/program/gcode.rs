@@ -7,7 +7,7 @@ use super::program_points::{Collected, ProgramFaultKind, ProgramPoint, Reached};
 
 /// How axis words without another code move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Motion {
+pub(super) enum Motion {
     Rapid,
     Straight,
     Clockwise,
@@ -22,77 +22,80 @@ const SETTING_G: [i32; 22] =
 
 /// M words, times ten, for spindle, coolant, stops, clamps, gears, overrides, pallets, chips and air; M17 ends a part program of
 /// Siemens.
-const AUXILIARY_M: [i32; 37] = [
+pub(super) const AUXILIARY_M: [i32; 37] = [
     0, 10, 30, 40, 50, 70, 80, 90, 100, 110, 120, 130, 140, 170, 190, 310, 330, 340, 350, 360, 400, 410, 420, 430, 440, 450, 480, 490, 500,
     510, 520, 530, 600, 830, 840, 880, 890,
 ];
 
 /// What holds from block to block.
 #[allow(clippy::struct_excessive_bools, reason = "each is a modal state of its own")]
-struct State {
-    motion: Option<Motion>,
+pub(super) struct State {
+    pub(super) motion: Option<Motion>,
     /// First, second and third axis of the arcs' plane.
-    plane: [usize; 3],
-    millimetres: f64,
-    absolute: bool,
-    absolute_centres: bool,
-    per_revolution: bool,
-    feed: Option<f64>,
-    spindle: Option<f64>,
-    tool: u32,
-    next_tool: u32,
+    pub(super) plane: [usize; 3],
+    pub(super) millimetres: f64,
+    pub(super) absolute: bool,
+    pub(super) absolute_centres: bool,
+    pub(super) per_revolution: bool,
+    pub(super) feed: Option<f64>,
+    pub(super) spindle: Option<f64>,
+    pub(super) tool: u32,
+    pub(super) next_tool: u32,
     /// Unknown axes are those that have not been moved to yet, or that a reference point moved away.
-    position: [Option<f64>; 3],
-    is_new: bool,
+    pub(super) position: [Option<f64>; 3],
+    pub(super) is_new: bool,
 }
 
 /// What one block asks for.
 #[allow(clippy::struct_excessive_bools, reason = "each is a word of its own")]
 #[derive(Default)]
-struct Block {
-    axes: [Option<f64>; 3],
-    centre: [Option<f64>; 3],
-    radius: Option<f64>,
-    motion: Option<Motion>,
+pub(super) struct Block {
+    pub(super) axes: [Option<f64>; 3],
+    pub(super) centre: [Option<f64>; 3],
+    pub(super) radius: Option<f64>,
+    pub(super) motion: Option<Motion>,
     /// Its axis words are for a reference point or machine coordinates.
-    reference: bool,
+    pub(super) reference: bool,
     /// Its axis words are parameters of a dwell or of the control's smoothing: nothing moves.
-    parameters: bool,
-    tool_change: bool,
+    pub(super) parameters: bool,
+    pub(super) tool_change: bool,
     /// A word of it is refused: its other words may belong to that one.
-    refused: bool,
-    first_of_arc: Option<Word>,
+    pub(super) refused: bool,
+    pub(super) first_of_arc: Option<Word>,
     /// LinuxCNC's number of turns of an arc.
-    turns: Option<Word>,
+    pub(super) turns: Option<Word>,
 }
 
 pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
-    let mut state = State {
-        motion: None,
-        plane: [0, 1, 2],
-        millimetres: 1.0,
-        absolute: true,
-        absolute_centres: false,
-        per_revolution: false,
-        feed: None,
-        spindle: None,
-        tool: 0,
-        next_tool: 0,
-        position: [None; 3],
-        is_new: true,
-    };
+    let mut state = State::new();
     let mut block = Vec::new();
     for (line, number) in text.lines().zip(1..) {
         words(line, number, collected, &mut block);
-        let is_heidenhain = collected.faults.last().is_some_and(|fault| fault.kind == ProgramFaultKind::Heidenhain);
-        // One fault says all about a program in another language.
-        if is_heidenhain || state.run(&block, number, sagitta, collected) || collected.is_full() {
+        if state.run(&block, number, sagitta, collected) || collected.is_full() {
             break;
         }
     }
 }
 
 impl State {
+    /// Before the first block.
+    pub(super) fn new() -> Self {
+        Self {
+            motion: None,
+            plane: [0, 1, 2],
+            millimetres: 1.0,
+            absolute: true,
+            absolute_centres: false,
+            per_revolution: false,
+            feed: None,
+            spindle: None,
+            tool: 0,
+            next_tool: 0,
+            position: [None; 3],
+            is_new: true,
+        }
+    }
+
     /// Runs a block; true at the end of the program.
     fn run(&mut self, words: &[Word], line: u32, sagitta: f64, collected: &mut Collected) -> bool {
         let mut block = Block::default();
@@ -218,7 +221,8 @@ impl State {
         false
     }
 
-    fn move_to(&mut self, block: &Block, line: u32, sagitta: f64, collected: &mut Collected) {
+    /// Moves as the block asks for.
+    pub(super) fn move_to(&mut self, block: &Block, line: u32, sagitta: f64, collected: &mut Collected) {
         if block.parameters {
             return;
         }
@@ -379,10 +383,7 @@ pub(super) fn words(line: &str, number: u32, collected: &mut Collected, words: &
                 }
             },
             _ => {
-                // Heidenhain's blocks begin with a number.
-                let kind = kind_of_text(rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == ' '));
-                let kind = if kind == ProgramFaultKind::Heidenhain { kind } else { ProgramFaultKind::UnknownWord };
-                collected.fault(number, kind, rest);
+                collected.fault(number, ProgramFaultKind::UnknownWord, rest);
                 return;
             }
         }
@@ -464,7 +465,6 @@ fn kind_of_text(text: &str) -> ProgramFaultKind {
     let word: String = text.chars().take_while(char::is_ascii_alphabetic).collect::<String>().to_ascii_uppercase();
     match word.as_str() {
         "IF" | "WHILE" | "DO" | "GOTO" | "END" | "SUB" | "ENDSUB" | "CALL" | "REPEAT" | "FOR" | "DEF" | "PROC" => ProgramFaultKind::Macro,
-        "BEGIN" | "TOOL" | "BLK" | "FMAX" | "CC" | "CYCL" | "LBL" | "L" => ProgramFaultKind::Heidenhain,
         "TRANS" | "ROT" | "AROT" | "SCALE" | "MIRROR" | "ATRANS" => ProgramFaultKind::Transformation,
         _ if word.starts_with("CYCLE") => ProgramFaultKind::Cycle,
         _ if word.len() > 1 => ProgramFaultKind::UnknownWord,

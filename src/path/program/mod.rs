@@ -3,6 +3,7 @@
 mod apt;
 mod arc;
 mod gcode;
+mod klartext;
 mod program_points;
 mod read;
 #[cfg(test)]

@@ -8,6 +8,8 @@ use std::fmt;
 pub enum Dialect {
     /// G-code of LinuxCNC, Fanuc, Haas, GRBL and Siemens.
     GCode,
+    /// Heidenhain's own language.
+    Klartext,
     /// APT and cutter location files: GOTO, RAPID, FEDRAT.
     Apt,
     /// Columns x, y, z and, if there is a fourth, the feed rate in mm/min.
@@ -104,8 +106,6 @@ pub enum ProgramFaultKind {
     Conflict,
     /// A comment that is not closed.
     Comment,
-    /// A program in Heidenhain's own language.
-    Heidenhain,
     /// More points than allowed.
     TooManyPoints,
     /// There is no point.
@@ -140,7 +140,6 @@ impl fmt::Display for ProgramFault {
             ProgramFaultKind::UnknownPosition => "cuts before X, Y and Z are all known",
             ProgramFaultKind::Conflict => "excludes another word of the block",
             ProgramFaultKind::Comment => "opens a comment that is not closed",
-            ProgramFaultKind::Heidenhain => "is Heidenhain's own language; only ISO programs are read",
             ProgramFaultKind::TooManyPoints => "exceeds the number of points",
             ProgramFaultKind::Empty => "has no point of a path",
         };

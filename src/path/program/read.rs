@@ -1,7 +1,7 @@
 //! Reads a program in the dialect that its content shows; and columns of coordinates, the simplest of the dialects.
 
 use super::program_points::{Collected, Dialect, Program, ProgramFault, ProgramFaultKind, ProgramPoint, Reached};
-use super::{apt, gcode};
+use super::{apt, gcode, klartext};
 
 /// How a program is read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +22,7 @@ pub fn read(text: &str, settings: &ReadSettings) -> Result<Program, Vec<ProgramF
     let dialect = dialect(text);
     match dialect {
         Dialect::GCode => gcode::read(text, settings.sagitta, &mut collected),
+        Dialect::Klartext => klartext::read(text, settings.sagitta, &mut collected),
         Dialect::Apt => apt::read(text, settings.sagitta, &mut collected),
         Dialect::Columns => read_columns(text, &mut collected),
     }
@@ -38,6 +39,9 @@ fn dialect(text: &str) -> Dialect {
         let word: &str = upper.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or("");
         if apt::STATEMENTS.contains(&word) || upper.starts_with("$$") {
             return Dialect::Apt;
+        }
+        if klartext::is_block(&upper) {
+            return Dialect::Klartext;
         }
         let columns = fields(line);
         if columns.len() >= 3 && columns.iter().all(|column| column.parse::<f64>().is_ok()) || Columns::named(&columns).is_some() {

@@ -113,7 +113,6 @@ fn what_is_not_followed_is_refused_with_its_line() {
         ("G2 X10 I5 P2", F::Arc),
         ("G0 B-0.5", F::Axis),
         ("G53 G0 A90", F::Axis),
-        ("4 L X+10 Y+10 R0 FMAX", F::Heidenhain),
         ("G5 X1 Y1 I1 J1", F::Spline),
         ("G5.1 X1 Y1", F::Spline),
         ("G65 P9000", F::Macro),
@@ -141,17 +140,9 @@ fn what_is_not_followed_is_refused_with_its_line() {
         ("G2 X10 R5 I5", F::Arc),
         ("G2 X10 I5 K1", F::Arc),
         ("G1 X10 I5", F::Arc),
-        ("L X+10 FMAX", F::Heidenhain),
     ] {
         let faults = read(&format!("{start}{text}"), &SETTINGS).expect_err(text);
         assert!(faults.iter().any(|fault| fault.kind == kind && fault.line == 2), "{text}: {faults:?}");
-    }
-    // A program in another language has one fault.
-    for text in
-        ["BEGIN PGM 1 MM\nTOOL CALL 1 Z S1000\nL Z+100 FMAX", "0 BEGIN PGM 1 MM\n1 BLK FORM 0.1 Z X+0 Y+0 Z-20\n2 L Z+100 R0 FMAX M3"]
-    {
-        let heidenhain = read(text, &SETTINGS).unwrap_err();
-        assert_eq!((heidenhain.len(), heidenhain[0].kind, heidenhain[0].line), (1, F::Heidenhain, 1));
     }
     assert_eq!(read("G1 X1 F10", &SETTINGS).unwrap_err()[0].kind, F::UnknownPosition);
     assert_eq!(read("X1 Y1 Z1", &SETTINGS).unwrap_err()[0].kind, F::UnknownWord);
@@ -464,4 +455,119 @@ fn numbers_of_blocks_have_five_digits_at_most() {
     let text = write_iso(&[operation], &WriteSettings { number_lines: true, ..WriteSettings::default() }).unwrap();
     let numbers: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix('N')?.split(' ').next()).collect();
     assert_eq!((numbers[9998], numbers[9999]), ("99990", "10"));
+}
+
+/// A program in Klartext around these blocks.
+fn klartext(blocks: &str) -> String {
+    let start = "0 BEGIN PGM FINISH MM\n1 BLK FORM 0.1 Z X-50 Y-50 Z-20\n2 TOOL CALL 5 Z S8000 F1500\n3 L X+0 Y+0 Z+5 R0 FMAX M3\n";
+    format!("{start}{blocks}\nEND PGM FINISH MM\nL X+99 FMAX\n")
+}
+
+#[test]
+fn klartext_is_read_as_its_control_runs_it() {
+    for (blocks, expected) in [
+        ("4 L Z+0 F500 M8\n5 L X+10\n6 L Z+50 FMAX\n7 L Z+0", "f0,0,0@500 f10,0,0@500 r10,0,50 f10,0,0@500"),
+        ("L IX+1 IY-2 FAUTO\nL IX1,5 F AUTO", "f1,-2,5@1500 f2.5,-2,5@1500"),
+        ("* - Finishing\n; L X+1\n/ 4 L X+1 F9 ; L X+2\nSTOP M9\nM5\nLBL 1\nl y+1 r0 f8 m", "f1,0,5@9 f1,1,5@8"),
+        ("CYCL DEF 32.0 TOLERANCE\nCYCL DEF 32.1 T0.01\nCYCL DEF 247 DATUM SETTING ~\nQ339=+1 ;NUMBER\nL X1 F9", "f1,0,5@9"),
+        ("CYCL DEF 7.0 DATUM SHIFT\nCYCL DEF 7.1 X+0\nCYCL DEF 7.1 #3\nCYCL DEF 11.1 SCL 1\nCYCL DEF 8.1\nL X1 F9", "f1,0,5@9"),
+        ("PLANE RESET STAY\nPLANE SPATIAL SPA+0 SPB+0 SPC+0 TURN MB50 F1000 SEQ-\nFUNCTION MODE MILL\nL X1 A+0 F9 M128 F500", "f1,0,5@9"),
+        ("FN 0: Q50 = +700\nQ2=-3\nL X+Q2 FQ50\nL X-Q2 F Q50", "f-3,0,5@700 f3,0,5@700"),
+        ("L M140 MB MAX\nL Z+3 FMAX\nL X1 F9", "?0,0,3 f1,0,3@9"),
+        ("L Z-1 R0 FMAX M91\nL Z+3 FMAX\nL X1 F9", "?0,0,3 f1,0,3@9"),
+        ("TOOL DEF 6\nTOOL CALL \"BALL 6\" Z S9000 DR-0.1 DL+0\nL X1 FMAX\nL X2 F9", "?1,0,5 f2,0,5@9"),
+        ("TOOL  CALL Z S9000 ; M6\nM6\nM136\nL X2 F0.1", "f2,0,5@900"),
+        ("L X2 F9 M30\nL X3", "f2,0,5@9"),
+    ] {
+        assert_eq!(points(&klartext(blocks)), format!("?0,0,5 {expected}"), "{blocks}");
+    }
+    assert_eq!(program(&klartext("")).dialect, Dialect::Klartext);
+    assert_eq!((program(&klartext("")).points[0].tool, program(&klartext("")).points[0].spindle_speed), (5, Some(8000.0)));
+    // In inches; feeds are tenths of an inch.
+    assert_eq!(points("BEGIN PGM 1 INCH\nL X+1 Y+0 Z+1 FMAX\nL X+2 F100"), "?25.4,0,25.4 f50.8,0,25.4@254");
+}
+
+#[test]
+fn circles_of_klartext_are_chords() {
+    for (blocks, sweep, radius, rise) in [
+        ("CC X+10 Y+0\nC X+10 Y-10 DR+ F9", 90.0_f64, 10.0_f64, 0.0_f64),
+        ("CC IX+10 IY+0\nC X+10 Y-10 DR- F9", 270.0, 10.0, 0.0),
+        ("CC X+10 Y+0\nC X+0 Y+0 DR- F9", 360.0, 10.0, 0.0),
+        ("CR X+10 Y-10 R+10 DR+ R0 F9", 90.0, 10.0, 0.0),
+        ("CR X+10 Y-10 R-10 DR+ F9 M8", 270.0, 10.0, 0.0),
+        ("CC X+0 Y+4\nCP IPA+900 IZ-3 DR+ F9", 900.0, 4.0, -3.0),
+        ("CC X+0 Y+4\nCP IPA-30 Z+4 DR- F9", 30.0, 4.0, -1.0),
+        ("L X-7 F9\nCC\nL X+0\nCP IPA+90 DR+", 90.0, 7.0, 0.0),
+    ] {
+        let (moves, _) = program(&klartext(blocks)).moves();
+        let of_arc = moves.iter().filter(|each| each.kind == MoveKind::Cut && !(each.from[1] == 0.0 && each.to[1] == 0.0));
+        let (length, climbed) = of_arc.fold((0.0, 0.0), |(length, climbed), each| {
+            let [x, y, z] = [0, 1, 2].map(|axis| each.to[axis] - each.from[axis]);
+            (length + x.hypot(y), climbed + z)
+        });
+        // Chords are shorter by a part of the sagitta.
+        assert_relative_eq!(length, sweep.to_radians() * radius, max_relative = 1e-3);
+        assert_relative_eq!(climbed, rise, epsilon = 1e-9);
+    }
+}
+
+#[test]
+fn what_klartext_moves_and_is_not_followed_is_refused() {
+    use ProgramFaultKind as F;
+    for (block, kind) in [
+        ("L X+1 RL F9", F::Transformation),
+        ("L X+1 A+30 F9", F::Axis),
+        ("L X+1 C+Q9 F9", F::Axis),
+        ("L X+Q1 F9", F::Macro),
+        ("Q1 = Q2 + 1\nL X+Q1", F::Macro),
+        ("Q1 = 1\nFN 18: SYSREAD Q1 = ID50\nL X+Q1", F::Macro),
+        ("FN 9: IF +Q1 EQU +Q2 GOTO LBL 5", F::Macro),
+        ("CALL LBL 1 REP 5", F::Macro),
+        ("CALL PGM TNC:\\SUB.H", F::Macro),
+        ("CYCL DEF 200 DRILLING ~", F::Cycle),
+        ("CYCL CALL M3", F::Cycle),
+        ("L X+1 F9 M99", F::Cycle),
+        ("CYCL DEF 7.1 X+5", F::Transformation),
+        ("CYCL DEF 8.1 X", F::Transformation),
+        ("CYCL DEF 10.1 ROT+30", F::Transformation),
+        ("CYCL DEF 11.1 SCL 0.995", F::Transformation),
+        ("CYCL DEF 19.1 A+0 B+30", F::Transformation),
+        ("PLANE SPATIAL SPA+0 SPB+30 SPC+0 STAY", F::Transformation),
+        ("PLANE EULER EULPR+0", F::Transformation),
+        ("TRANS DATUM AXIS X+5", F::Transformation),
+        ("TOOL CALL 5 Z S1000 DL+0.2", F::Transformation),
+        ("TOOL CALL 5 Y S1000", F::Transformation),
+        ("RND R5", F::UnknownWord),
+        ("APPR LT X+1 Y+1 LEN15 F9", F::UnknownWord),
+        ("L X+1 F9 M77", F::UnknownWord),
+        ("L X+ F9", F::Number),
+        ("L X1.2.3 F9", F::Number),
+        ("C X+1 Y+1 DR+", F::Arc),
+        ("CC X+5 Y+0\nC X+1 Y+1", F::Arc),
+        ("CC X+5 Y+0\nC X+5 Y+1 DR+", F::Arc),
+        ("CC Y+5 Z+5", F::Arc),
+        ("CC X+5 Y+0\nCP IPA-90 DR+", F::Arc),
+        ("M91\nCP IPA+90 DR+", F::Arc),
+    ] {
+        let faults = read(&klartext(block), &SETTINGS).expect_err(block);
+        let line = 4 + u32::try_from(block.lines().count()).unwrap();
+        assert!(faults.iter().any(|fault| fault.kind == kind && fault.line == line), "{block}: {faults:?}");
+    }
+    let cut_first = "BEGIN PGM 1 MM\nL X+1 F9\nL IY+1";
+    let faults = read(cut_first, &SETTINGS).unwrap_err();
+    assert!(faults.iter().all(|fault| fault.kind == F::UnknownPosition) && faults.len() > 1, "{faults:?}");
+}
+
+#[test]
+fn feeds_of_klartext_are_replaced_in_their_place() {
+    let blocks = "4 L Z+0 F500 M8\n5 L X+10 M9\n6 L X+12 FMAX\n7 L Y+5\n8 L Y+6 F AUTO ; slow\n9 L Y+7 FQ1 M3";
+    let text = klartext(&format!("Q1=300\n{blocks}"));
+    let read = program(&text);
+    let feeds = |rates: &[f64], old: bool| with_feeds(&text, &read, rates, old).lines().skip(5).take(6).collect::<Vec<_>>().join("\n");
+    let new = "4 L Z+0 F400 M8\n5 L X+10 F200 M9\n6 L X+12 FMAX\n7 L Y+5\n8 L Y+6 F100 ; slow\n9 L Y+7 F250 M3";
+    assert_eq!(feeds(&[1.0, 400.0, 200.0, 1.0, 200.0, 100.0, 250.0], false), new);
+    let with_old = new.replace("M8", "M8 ; F500").replace("; slow", "; slow ; F AUTO").replace("M3", "M3 ; FQ1");
+    assert_eq!(feeds(&[1.0, 400.0, 200.0, 1.0, 200.0, 100.0, 250.0], true), with_old);
+    // Nothing changes where the feeds stay, but for parameters, which are replaced by their values.
+    assert_eq!(feeds(&[1.0, 500.0, 500.0, 1.0, 500.0, 1500.0, 300.0], false), blocks.replace("F AUTO", "F1500").replace("FQ1", "F300"));
 }

@@ -197,8 +197,9 @@ const NEARLY: f64 = 0.99;
 
 /// The text of `program` with the feed rates in mm/min of the moves to its points; those of rapids do not count. A block
 /// whose moves have different ones gets the least. Words are rounded down; a word is added where the modal feed differs.
-/// With `old_in_comments`, G-code has each replaced word in a comment after the new one. A word of G-code has a decimal point where
-/// the replaced one has it, and where its unit is not mm/min: some controls read such numbers without one in their least increment.
+/// With `old_in_comments`, each replaced word of G-code is in a comment after the new one, and of Klartext after the block. A word of
+/// G-code has a decimal point where the replaced one has it, and where its unit is not mm/min: some controls read such numbers without
+/// one in their least increment.
 ///
 /// # Panics
 /// If there are fewer feed rates than points.
@@ -218,7 +219,9 @@ pub fn with_feeds(text: &str, program: &Program, feed_rates: &[f64], old_in_comm
         let block = line.trim_end_matches(['\n', '\r']);
         let wanted = of_lines.get(&number).filter(|(feed, _)| feed.is_finite()).copied();
         match (program.dialect, wanted) {
-            (Dialect::GCode, wanted) => block_with_feed(block, wanted, &mut modal, old_in_comments, &mut written),
+            (dialect @ (Dialect::GCode | Dialect::Klartext), wanted) => {
+                block_with_feed(dialect, block, wanted, &mut modal, old_in_comments, &mut written);
+            }
             (Dialect::Apt, Some((feed, unit))) => {
                 if modal.is_none_or(|(modal, _)| !keeps(modal, feed)) {
                     let ending = &line[block.len()..];
@@ -334,8 +337,32 @@ fn scan(block: &str) -> (Option<FeedWord>, usize) {
     (word, end)
 }
 
-fn block_with_feed(block: &str, wanted: Option<(f64, f64)>, modal: &mut Option<(f64, f64)>, old_in_comments: bool, written: &mut String) {
-    let (word, end) = scan(block);
+/// The feed word of a block of Klartext, and where a new one goes: before the first M function. A word that is no number has the value NaN.
+fn scan_klartext(block: &str) -> (Option<FeedWord>, usize) {
+    let code = block.split(';').next().unwrap_or_default().trim_end();
+    let place = |word: &str| word.as_ptr() as usize - block.as_ptr() as usize;
+    let is_function = |word: &&str| word.starts_with(['M', 'm']) && word[1..].starts_with(|c: char| c.is_ascii_digit());
+    let words: Vec<&str> = code.split_whitespace().take_while(|word| !is_function(word)).collect();
+    let end = words.last().map_or(code.len(), |last| place(last) + last.len());
+    let feed = words.iter().position(|word| word.starts_with(['F', 'f']) && !word.eq_ignore_ascii_case("FMAX")).map(|at| {
+        // `F AUTO` and `F Q50` are two words.
+        let last = words[if words[at].len() == 1 { (at + 1).min(words.len() - 1) } else { at }];
+        let value = words[at][1..].replace(',', ".").parse().unwrap_or(f64::NAN);
+        FeedWord { from: place(words[at]), to: place(last) + last.len(), value }
+    });
+    (feed, end)
+}
+
+fn block_with_feed(
+    dialect: Dialect,
+    block: &str,
+    wanted: Option<(f64, f64)>,
+    modal: &mut Option<(f64, f64)>,
+    old_in_comments: bool,
+    written: &mut String,
+) {
+    let is_klartext = dialect == Dialect::Klartext;
+    let (word, end) = if is_klartext { scan_klartext(block) } else { scan(block) };
     let Some((feed, unit)) = wanted else {
         if word.is_some() {
             // The unit of a word in a block without moves is not known.
@@ -352,17 +379,18 @@ fn block_with_feed(block: &str, wanted: Option<(f64, f64)>, modal: &mut Option<(
     }
     let mut value = word_value(feed, unit);
     let has_point = word.as_ref().is_some_and(|word| block[word.from..word.to].contains('.'));
-    if (has_point || unit > 1.0) && !value.contains('.') {
+    if !is_klartext && (has_point || unit > 1.0) && !value.contains('.') {
         value.push('.');
     }
-    let comment = |old: f64| if old_in_comments { format!(" (F{old})") } else { String::new() };
-    match word {
-        Some(word) => {
-            let _ = write!(written, "{}F{value}{}{}", &block[..word.from], comment(word.value), &block[word.to..]);
-        }
-        None => {
-            let _ = write!(written, "{} F{value}{}", &block[..end], &block[end..]);
-        }
-    }
+    let old = word.as_ref().filter(|_| old_in_comments).map(|word| &block[word.from..word.to]);
+    // Klartext has comments at the end of a block alone.
+    let [after_word, after_block] = match old {
+        Some(old) if is_klartext => [String::new(), format!(" ; {old}")],
+        Some(old) => [format!(" ({old})"), String::new()],
+        None => [String::new(), String::new()],
+    };
+    let (before, after) = word.map_or((end, end), |word| (word.from, word.to));
+    let blank = if before == after { " " } else { "" };
+    let _ = write!(written, "{}{blank}F{value}{after_word}{}{after_block}", &block[..before], &block[after..]);
     *modal = value.parse().ok().map(|value| (value, unit));
 }
