@@ -247,7 +247,8 @@ impl Reader<'_> {
                 ("A" | "B" | "C", _) if self.constant(number) == Some(0.0) => {}
                 ("A" | "B" | "C" | "IA" | "IB" | "IC" | "U" | "V" | "W", _) => self.fault(ProgramFaultKind::Axis, word),
                 ("M", _) => {
-                    let function = self.value(word, number).map_or(-1, |function| function as i32);
+                    let function =
+                        self.value(word, number).filter(|number| (0.0..1000.0).contains(number)).map_or(-1, |number| number as i32);
                     of_function = WITH_PARAMETERS.contains(&function);
                     match function {
                         2 | 30 => ends = true,
