@@ -15,10 +15,12 @@ pub(super) enum Motion {
 }
 
 /// G words, times ten, that leave the geometry as it is: look-ahead, polar coordinates off, compensation off, length
-/// compensation, scaling, mirroring and shifts off, exact stop and path control, rotation off, cycle off, return levels; Haas'
-/// look-ahead, offsets and smoothness; Siemens' offsets off.
-const SETTING_G: [i32; 22] =
-    [80, 90, 150, 400, 430, 490, 500, 501, 610, 611, 640, 690, 800, 921, 922, 970, 980, 990, 1030, 1540, 1870, 5000];
+/// compensation, scaling, mirroring and shifts off, exact stop, corners and path control, rotation off, cycle off, return levels; Haas'
+/// look-ahead, offsets and smoothness; Siemens' own language, offsets off, corners.
+const SETTING_G: [i32; 27] = [
+    80, 90, 150, 400, 430, 490, 500, 501, 610, 611, 620, 640, 690, 800, 921, 922, 970, 980, 990, 1030, 1540, 1870, 2900, 4500, 4510, 5000,
+    6210,
+];
 
 /// M words, times ten, for spindle, coolant, stops, clamps, gears, overrides, pallets, chips and air; M17 ends a part program of
 /// Siemens.
@@ -195,7 +197,7 @@ impl State {
             // Alone it says nothing about feeds: Siemens leaves them in the unit of the machine.
             Some(700) if self.millimetres > 1.0 => {}
             Some(210 | 710 | 7100) => self.millimetres = 1.0,
-            Some(280 | 300 | 530 | 1530) => block.reference = true,
+            Some(280 | 300 | 530 | 750 | 1530) => block.reference = true,
             Some(900) => self.absolute = true,
             Some(910) => self.absolute = false,
             Some(901) => self.absolute_centres = true,
@@ -401,7 +403,8 @@ fn word_at_start(text: &str) -> Result<(Option<Word>, usize), ProgramFaultKind> 
     if after.starts_with(['#', '[', '<']) {
         return Err(ProgramFaultKind::Macro);
     }
-    // Siemens allows X=40 for X40.
+    // Siemens has S1=8000 and M1=3 for its first spindle, and allows X=40 for X40.
+    let after = if matches!(letter, 'S' | 'M') { after.strip_prefix("1=").unwrap_or(after) } else { after };
     let after = after.strip_prefix('=').map_or(after, str::trim_start);
     match number_at_start(after) {
         (Some(value), length) => Ok((Some(Word { letter, value }), text.len() - after.len() + length)),
@@ -410,8 +413,10 @@ fn word_at_start(text: &str) -> Result<(Option<Word>, usize), ProgramFaultKind> 
 }
 
 /// Siemens' names of what sets how exactly the control follows the path, defines a variable, or is for the operator.
-const NAMES: &str = "ADIS ADISPOS BRISK CFC CFIN CFTCP COMPCAD COMPCURV COMPOF COMPON COMPSURF CTOL CYCLE832 FFWOF FFWON GROUP_BEGIN \
-    GROUP_END KONT MSG NORM OTOL RET SOFT STOPRE TRAFOOF WORKPIECE";
+const NAMES: &str = "ACTBLOCNO ADIS ADISPOS BRISK CDOF CFC CFIN CFTCP COMPCAD COMPCURV COMPOF COMPON COMPSURF CP CTOL CUT2D CUTCONOF CYCLE832 \
+    DIAMOF DISPLOF DISPLON DYNFINISH DYNNORM DYNPOS DYNPREC DYNROUGH DYNSEMIFIN FFWOF FFWON FGROUP FIFOCTRL FLIN FNORM \
+    GROUP_BEGIN GROUP_END KONT LIMS MSG NORM ORIAXES ORIMKS ORISOF ORIVECT ORIWKS OTOL RET SBLOF SBLON SETMS SOFT SPATH SPOS \
+    STARTFIFO STOPFIFO STOPRE TRAFOOF UPATH WALIMOF WALIMON WORKPIECE";
 
 /// The word that a name at the start stands for, if any, and the length of the name with what belongs to it: arguments in
 /// parentheses, or a value after `=`. `None` for other names.
@@ -419,6 +424,8 @@ fn named(text: &str) -> Option<(Option<Word>, usize)> {
     let name_at_start = |text: &str| text.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
     let name = name_at_start(text);
     let behind = text[name..].trim_start();
+    let code = behind.split(';').next().unwrap_or_default();
+    let is_zero = |word: &str| word.get(1..).is_some_and(|value| value.trim_start_matches('=').parse() == Ok(0.0));
     let value = behind.strip_prefix('=').map(str::trim_start);
     let is_name = |known: &str| NAMES.split(' ').any(|name| name == known);
     let with = |behind: &str, length: usize| text.len() - behind.len() + length;
@@ -433,9 +440,15 @@ fn named(text: &str) -> Option<(Option<Word>, usize)> {
         }
         ("SUPA", None) => Some((Some(Word { letter: 'G', value: 53.0 }), name)),
         ("DEF", None) => Some((None, text.len())),
-        // Without arguments they end what they began.
-        ("TRANS" | "ROT" | "SCALE" | "MIRROR", None) if behind.is_empty() => Some((None, text.len())),
-        ("CYCLE800", None) if behind.starts_with("()") => Some((None, with(behind, 2))),
+        // Without arguments, or by zero, they end what they began.
+        ("SCALE" | "MIRROR", None) if code.is_empty() => Some((None, text.len())),
+        ("TRANS" | "ROT", None) if code.split_whitespace().all(is_zero) => Some((None, text.len())),
+        ("CYCLE800", None) => {
+            let (arguments, _) = behind.strip_prefix('(')?.split_once(')')?;
+            // Shift, angles, and shift after the turn.
+            let neutral = arguments.split(',').skip(4).take(9).all(|value| value.trim().is_empty() || value.trim().parse() == Ok(0.0));
+            neutral.then_some((None, with(behind, arguments.len() + 2)))
+        }
         // A variable is not followed: an axis that it moves is at an unknown value.
         (letter, Some(value)) if letter.len() == 1 && value.starts_with('_') => {
             Some((Some(Word { letter: letter.chars().next()?, value: f64::NAN }), with(value, name_at_start(value))))

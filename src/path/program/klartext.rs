@@ -81,6 +81,8 @@ impl Reader<'_> {
             ("TRANS", "DATUM") | ("PLANE", "SPATIAL") => self.expect_neutral(&rest[1..], 0.0),
             ("PLANE" | "TRANS", _) => self.fault(ProgramFaultKind::Transformation, block),
             ("TOOL", "CALL") => self.tool_call(block, &rest[1..]),
+            // Measuring leads the machine to where is not told.
+            ("TCH", "PROBE") => (self.state.position, self.state.is_new) = ([None; 3], true),
             ("CYCL", "DEF") => self.cycle(&rest[1..], block),
             ("CYCL", _) => self.fault(ProgramFaultKind::Cycle, block),
             ("CALL" | "SEL" | "IF", _) => self.fault(ProgramFaultKind::Macro, block),
