@@ -234,6 +234,31 @@ async fn the_largest_feeds_are_those_of_the_closed_form_and_written_into_the_pro
     assert!(app.answer(PATH_CHECK, &commented).await["program"]["text"].as_str().unwrap().contains("(F3000)"));
 }
 
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_program_in_klartext_has_the_answer_of_the_same_g_code() {
+    let app = TestApp::start().await;
+    let klartext_of = |program: &str| {
+        let blocks = program.replace("%\nG21 G90\nT1 M6", "BEGIN PGM A MM\n;\nTOOL CALL 1 Z").replace("M30\n%", "M30\nEND PGM A MM");
+        let block = |line: &str| match line.split_at_checked(3) {
+            Some(("G0 ", axes)) => format!("L {axes} FMAX\n"),
+            Some(("G1 ", axes)) => format!("L {axes}\n"),
+            _ => format!("{line}\n"),
+        };
+        blocks.lines().map(block).collect::<String>()
+    };
+    let program = program_of(&zigzag(0.4));
+    let ask = async |text: &str| {
+        let job = json!({"path": {"program": text}, "include": ["feeds", "program", "places"]});
+        let mut answer = app.answer(PATH_CHECK, &with(with(plate(), driven_ball()), job)).await;
+        let program = answer.as_object_mut().unwrap().remove("program").unwrap();
+        (answer, program)
+    };
+    let (of_iso, iso) = ask(&program).await;
+    let (of_klartext, klartext) = ask(&klartext_of(&program)).await;
+    assert_eq!(of_klartext, of_iso);
+    assert_eq!(klartext, json!({"dialect": "klartext", "text": klartext_of(iso["text"].as_str().unwrap())}));
+}
+
 /// As a user would: from a plan to its program, one line raised and one feed trebled by hand, and the check names both.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn lines_edited_by_hand_are_named() {
