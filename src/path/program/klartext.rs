@@ -21,6 +21,9 @@ const FUNCTIONS: [i32; 32] = [
 /// Those behind which further words belong to them.
 const WITH_PARAMETERS: [i32; 6] = [103, 118, 120, 124, 128, 140];
 
+/// The largest angle of CP in degrees, the control's own limit.
+const LARGEST_ANGLE: f64 = 5400.0;
+
 /// Whether a line in capitals can only be a block of Klartext.
 pub(super) fn is_block(line: &str) -> bool {
     BEGINNINGS.iter().any(|beginning| without_number(line).starts_with(beginning))
@@ -293,15 +296,16 @@ impl Reader<'_> {
             self.state.move_to(&block, self.line, self.sagitta, self.collected);
             return ends;
         }
-        let turned = number_of("IPA").and_then(|angle| self.constant(angle)).map(f64::to_radians);
-        let (Some(sweep), [Some(pole_x), Some(pole_y)]) = (turned.filter(|angle| angle * sign > 0.0), self.pole) else {
+        let degrees = number_of("IPA").and_then(|angle| self.constant(angle));
+        let degrees = degrees.filter(|degrees| degrees * sign > 0.0 && degrees.abs() <= LARGEST_ANGLE);
+        let (Some(sweep), [Some(pole_x), Some(pole_y)]) = (degrees.map(f64::to_radians), self.pole) else {
             self.fault(ProgramFaultKind::Arc, kind);
             return ends;
         };
         let (radius, start) = ((x - pole_x).hypot(y - pole_y), (y - pole_y).atan2(x - pole_x));
         let rise = block.axes[2].map_or(0.0, |end| end - z);
-        // At most 5400 deg, as on the control.
-        let parts = (sweep.abs() / PI).ceil().clamp(1.0, 30.0);
+        // In half turns at most, whose sense is clear.
+        let parts = (sweep.abs() / PI).ceil();
         for part in 1..=parts as u32 {
             let share = f64::from(part) / parts;
             let (sin, cos) = (start + share * sweep).sin_cos();

@@ -558,6 +558,7 @@ fn what_klartext_moves_and_is_not_followed_is_refused() {
         ("CC X+5 Y+0\nC X+5 Y+1 DR+", F::Arc),
         ("CC Y+5 Z+5", F::Arc),
         ("CC X+5 Y+0\nCP IPA-90 DR+", F::Arc),
+        ("CC X+5 Y+0\nCP IPA+5401 DR+", F::Arc),
         ("M91\nCP IPA+90 DR+", F::Arc),
     ] {
         let faults = read(&klartext(block), &SETTINGS).expect_err(block);
