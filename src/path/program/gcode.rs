@@ -4,6 +4,7 @@
 
 use super::arc::{Arc, Centre};
 use super::program_points::{Collected, ProgramFaultKind, ProgramPoint, Reached};
+use std::collections::HashMap;
 
 /// How axis words without another code move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,8 +72,9 @@ pub(super) struct Block {
 pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
     let mut state = State::new();
     let mut block = Vec::new();
+    let mut variables = Variables::new();
     for (line, number) in text.lines().zip(1..) {
-        words(line, number, collected, &mut block);
+        words(line, number, &mut variables, collected, &mut block);
         if state.run(&block, number, sagitta, collected) || collected.is_full() {
             break;
         }
@@ -350,8 +352,11 @@ impl std::fmt::Display for Word {
     }
 }
 
+/// Siemens' variables that have a constant value, by their names in capitals: those that begin with `_`, and R parameters.
+type Variables = HashMap<String, f64>;
+
 /// The words of a line without comments, block skip and numbers of blocks and programs. A fault ends the line.
-pub(super) fn words(line: &str, number: u32, collected: &mut Collected, words: &mut Vec<Word>) {
+fn words(line: &str, number: u32, variables: &mut Variables, collected: &mut Collected, words: &mut Vec<Word>) {
     words.clear();
     let mut rest = line.trim();
     if rest.starts_with('%') {
@@ -374,7 +379,7 @@ pub(super) fn words(line: &str, number: u32, collected: &mut Collected, words: &
                 collected.fault(number, ProgramFaultKind::Macro, rest);
                 return;
             }
-            letter if letter.is_ascii_alphabetic() || letter == '_' => match word_at_start(rest) {
+            letter if letter.is_ascii_alphabetic() || letter == '_' => match word_at_start(rest, variables) {
                 Ok((word, length)) => {
                     words.extend(word.filter(|word| !matches!(word.letter, 'N' | 'O')));
                     rest = &rest[length..];
@@ -393,7 +398,7 @@ pub(super) fn words(line: &str, number: u32, collected: &mut Collected, words: &
 }
 
 /// The word at the start of a text that begins with a letter, if it says something about the path, and its length.
-fn word_at_start(text: &str) -> Result<(Option<Word>, usize), ProgramFaultKind> {
+fn word_at_start(text: &str, variables: &mut Variables) -> Result<(Option<Word>, usize), ProgramFaultKind> {
     let letter = text.as_bytes()[0].to_ascii_uppercase() as char;
     let after = text[1..].trim_start();
     // A program may have a name: O<PART>. With more behind it, it is LinuxCNC's call of a subprogram.
@@ -407,8 +412,11 @@ fn word_at_start(text: &str) -> Result<(Option<Word>, usize), ProgramFaultKind> 
     let after = if matches!(letter, 'S' | 'M') { after.strip_prefix("1=").unwrap_or(after) } else { after };
     let after = after.strip_prefix('=').map_or(after, str::trim_start);
     match number_at_start(after) {
+        (Some(_), length) if letter == 'R' && after[length..].trim_start().starts_with('=') => {
+            named(text, variables).ok_or(ProgramFaultKind::Macro)
+        }
         (Some(value), length) => Ok((Some(Word { letter, value }), text.len() - after.len() + length)),
-        (None, _) => named(text).ok_or_else(|| kind_of_text(text)),
+        (None, _) => named(text, variables).ok_or_else(|| kind_of_text(text)),
     }
 }
 
@@ -420,14 +428,16 @@ const NAMES: &str = "ACTBLOCNO ADIS ADISPOS BRISK CDOF CFC CFIN CFTCP COMPCAD CO
 
 /// The word that a name at the start stands for, if any, and the length of the name with what belongs to it: arguments in
 /// parentheses, or a value after `=`. `None` for other names.
-fn named(text: &str) -> Option<(Option<Word>, usize)> {
-    let name_at_start = |text: &str| text.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
-    let name = name_at_start(text);
+fn named(text: &str, variables: &mut Variables) -> Option<(Option<Word>, usize)> {
+    let variable_at_start =
+        |text: &str| text.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect::<String>().to_ascii_uppercase();
+    let name = variable_at_start(text).len();
     let behind = text[name..].trim_start();
     let code = behind.split(';').next().unwrap_or_default();
     let is_zero = |word: &str| word.get(1..).is_some_and(|value| value.trim_start_matches('=').parse() == Ok(0.0));
     let value = behind.strip_prefix('=').map(str::trim_start);
     let is_name = |known: &str| NAMES.split(' ').any(|name| name == known);
+    let is_variable = |known: &str| known.starts_with('_') || known.starts_with('R') && known[1..].parse::<u32>().is_ok();
     let with = |behind: &str, length: usize| text.len() - behind.len() + length;
     match (text[..name].to_ascii_uppercase().as_str(), value) {
         // A tool by its name has no number.
@@ -449,11 +459,18 @@ fn named(text: &str) -> Option<(Option<Word>, usize)> {
             let neutral = arguments.split(',').skip(4).take(9).all(|value| value.trim().is_empty() || value.trim().parse() == Ok(0.0));
             neutral.then_some((None, with(behind, arguments.len() + 2)))
         }
-        // A variable is not followed: an axis that it moves is at an unknown value.
-        (letter, Some(value)) if letter.len() == 1 && value.starts_with('_') => {
-            Some((Some(Word { letter: letter.chars().next()?, value: f64::NAN }), with(value, name_at_start(value))))
+        // Of an unknown value, the axis that it moves has one too. A rotary axis goes home by it, or is a fault.
+        (letter, Some(value)) if letter.len() == 1 && is_variable(&variable_at_start(value)) => {
+            let name = variable_at_start(value);
+            let constant = variables.get(&name).copied().filter(|_| !matches!(letter, "A" | "B" | "C")).unwrap_or(f64::NAN);
+            Some((Some(Word { letter: letter.chars().next()?, value: constant }), with(value, name.len())))
         }
-        (known, Some(value)) if known.starts_with('_') || is_name(known) => Some((None, with(value, number_at_start(value).1))),
+        (known, Some(value)) if is_variable(known) => {
+            let (constant, length) = number_at_start(value);
+            variables.insert(known.to_owned(), constant?);
+            Some((None, with(value, length)))
+        }
+        (known, Some(value)) if is_name(known) => Some((None, with(value, number_at_start(value).1))),
         (known, None) if is_name(known) => {
             let arguments = behind.starts_with('(').then(|| behind.find(')')).flatten();
             Some((None, arguments.map_or(name, |end| with(behind, end + 1))))

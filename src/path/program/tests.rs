@@ -72,6 +72,7 @@ fn programs_are_read_as_their_controls_run_them() {
             G0 X0 Y0 Z1\nG75 Z0\nG0 Z2 M1=5\nLIMS=9000 X1",
             "?0,0,1 ?0,0,2 r1,0,2",
         ),
+        ("_F_CUT=900 R12 = +3\nG0 X0 Y0 Z1\nG1 X=R12 F=_F_Cut\nR12=-4.5\nX=r12", "?0,0,1 f3,0,1@900 f-4.5,0,1@900"),
         ("S1=1000 G95\nG0 X0 Y0 Z1\nG1 X1 F0.1", "?0,0,1 f1,0,1@100"),
         ("G710\nG0 X0 Y0 Z1\nSUPA G0 Z0 D0\nG0 Z2\nG1 X1 F9", "?0,0,1 ?0,0,2 f1,0,2@9"),
         ("G0 X0 Y0 Z0 G1 X1 F1", "!conflict"),
@@ -112,8 +113,10 @@ fn what_is_not_followed_is_refused_with_its_line() {
         ("MIRROR X0", F::Transformation),
         ("S2=8000", F::Macro),
         ("TRANS Z5", F::Transformation),
-        ("R1=5", F::Macro),
-        ("G1 X=R1", F::Number),
+        ("G1 X=R1", F::Macro),
+        ("R1=5*2", F::UnknownWord),
+        ("_F=_G", F::Number),
+        ("R1=R2", F::Macro),
         ("G1 X=_X_HOME", F::Macro),
         ("G1 X1 F=_FEED", F::Macro),
         ("T=\"BALL", F::Number),
@@ -377,6 +380,7 @@ fn new_feeds_change_nothing_but_feed_words() {
         ("G0 X=0 Y=0 Z=5\nFFWON\nG1 Z=0 F=100 SOFT", 500.0, "G0 X=0 Y=0 Z=5\nFFWON\nG1 Z=0 F500 SOFT"),
         ("G0 X0 Y0 Z5\nG1 Z0 T=\"F2\"", 500.0, "G0 X0 Y0 Z5\nG1 Z0 T=\"F2\" F500"),
         ("G0 X0 Y0 Z5\n_F1=3 T=\"F2\" G1 Z0 F100", 500.0, "G0 X0 Y0 Z5\n_F1=3 T=\"F2\" G1 Z0 F500"),
+        ("_F1=100 R1=200\nG0 X0 Y0 Z5\nG1 Z0 F=_F1 X1\nG1 Z1 F=R1", 500.0, "_F1=100 R1=200\nG0 X0 Y0 Z5\nG1 Z0 F500 X1\nG1 Z1 F500"),
         ("x,y,z,feed,n\n0,0,1,,a\n1,0,1,500,b\n", 321.0, "x,y,z,feed,n\n0,0,1,,a\n1,0,1,321,b\n"),
         ("n;X (mm);Y (mm);Z (mm)\na;0;0;1\nb;1;0;1\n", 321.0, "n;X (mm);Y (mm);Z (mm);feed_rate_mm_min\na;0;0;1\nb;1;0;1;321\n"),
         ("0;0;1;500\n1;0;1;500\n", 321.0, "0;0;1;500\n1;0;1;321\n"),
@@ -399,6 +403,9 @@ fn new_feeds_change_nothing_but_feed_words() {
         }
     }
     assert_eq!(with("G0 X0 Y0 Z5\nG1 Z0 F100", 50.0, true), "G0 X0 Y0 Z5\nG1 Z0 F50 (F100)");
+    // Siemens' comments are behind semicolons.
+    let siemens = "; FINISH\nG0 X0 Y0 Z5\nG1 Z0 F=100 M8\nX5 F200 ; off";
+    assert_eq!(with(siemens, 50.0, true), "; FINISH\nG0 X0 Y0 Z5\nG1 Z0 F50 M8 ; F=100\nX5 F50 ; off ; F200");
 }
 
 /// LinuxCNC's own interpreter follows a written program along the same moves. `RS274` names it, if it is not on the path.

@@ -197,9 +197,10 @@ const NEARLY: f64 = 0.99;
 
 /// The text of `program` with the feed rates in mm/min of the moves to its points; those of rapids do not count. A block
 /// whose moves have different ones gets the least. Words are rounded down; a word is added where the modal feed differs.
-/// With `old_in_comments`, each replaced word of G-code is in a comment after the new one, and of Klartext after the block. A word of
-/// G-code has a decimal point where the replaced one has it, and where its unit is not mm/min: some controls read such numbers without
-/// one in their least increment.
+/// With `old_in_comments`, each replaced word of G-code is in a comment in parentheses after the new one, or, as in Klartext, behind a
+/// semicolon at the end of the block if the program has lines that are such comments: Siemens' controls have no others. A word of G-code
+/// has a decimal point where the replaced one has it, and where its unit is not mm/min: some controls read such numbers without one in
+/// their least increment.
 ///
 /// # Panics
 /// If there are fewer feed rates than points.
@@ -215,12 +216,14 @@ pub fn with_feeds(text: &str, program: &Program, feed_rates: &[f64], old_in_comm
     // The modal feed in units of feed words, and the size of the unit.
     let mut modal: Option<(f64, f64)> = None;
     let mut feed_column = None;
+    let has_semicolons = || program.dialect == Dialect::Klartext || text.lines().any(|line| line.trim_start().starts_with(';'));
+    let comment = old_in_comments.then(|| if has_semicolons() { ';' } else { '(' });
     for (line, number) in text.split_inclusive('\n').zip(1_u32..) {
         let block = line.trim_end_matches(['\n', '\r']);
         let wanted = of_lines.get(&number).filter(|(feed, _)| feed.is_finite()).copied();
         match (program.dialect, wanted) {
             (dialect @ (Dialect::GCode | Dialect::Klartext), wanted) => {
-                block_with_feed(dialect, block, wanted, &mut modal, old_in_comments, &mut written);
+                block_with_feed(dialect, block, wanted, &mut modal, comment, &mut written);
             }
             (Dialect::Apt, Some((feed, unit))) => {
                 if modal.is_none_or(|(modal, _)| !keeps(modal, feed)) {
@@ -318,11 +321,13 @@ fn scan(block: &str) -> (Option<FeedWord>, usize) {
                     at += 1;
                 }
                 let first = at;
-                while bytes.get(at).is_some_and(|byte| matches!(byte, b'0'..=b'9' | b'.' | b'+' | b'-')) {
+                // A variable behind `=` is no number, but the feed all the same.
+                let is_name = |byte: u8| block[from..first].contains('=') && (byte.is_ascii_alphanumeric() || byte == b'_');
+                while bytes.get(at).is_some_and(|&byte| matches!(byte, b'0'..=b'9' | b'.' | b'+' | b'-') || is_name(byte)) {
                     at += 1;
                 }
-                if let Ok(value) = block[first..at].parse() {
-                    word = Some(FeedWord { from, to: at, value });
+                if at > first {
+                    word = Some(FeedWord { from, to: at, value: block[first..at].parse().unwrap_or(f64::NAN) });
                 }
                 end = at;
             }
@@ -358,7 +363,7 @@ fn block_with_feed(
     block: &str,
     wanted: Option<(f64, f64)>,
     modal: &mut Option<(f64, f64)>,
-    old_in_comments: bool,
+    comment: Option<char>,
     written: &mut String,
 ) {
     let is_klartext = dialect == Dialect::Klartext;
@@ -382,12 +387,10 @@ fn block_with_feed(
     if !is_klartext && (has_point || unit > 1.0) && !value.contains('.') {
         value.push('.');
     }
-    let old = word.as_ref().filter(|_| old_in_comments).map(|word| &block[word.from..word.to]);
-    // Klartext has comments at the end of a block alone.
-    let [after_word, after_block] = match old {
-        Some(old) if is_klartext => [String::new(), format!(" ; {old}")],
-        Some(old) => [format!(" ({old})"), String::new()],
-        None => [String::new(), String::new()],
+    let [after_word, after_block] = match (comment, word.as_ref().map(|word| &block[word.from..word.to])) {
+        (Some('('), Some(old)) => [format!(" ({old})"), String::new()],
+        (Some(_), Some(old)) => [String::new(), format!(" ; {old}")],
+        _ => [String::new(), String::new()],
     };
     let (before, after) = word.map_or((end, end), |word| (word.from, word.to));
     let blank = if before == after { " " } else { "" };
