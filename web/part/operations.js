@@ -5,6 +5,7 @@ import { figure, term, valueOf } from '../figures.js';
 import { TERMS, inWords, nameOf } from '../terms.js';
 import { formatTime, formatWithUnit, unitOf } from '../units.js';
 import { OPERATIONS } from './palette.js';
+import { toolCalls } from './program.js';
 
 /** The plan of several operations; null where one operation is the plan. */
 export const severalOf = (answer) => (answer?.plan?.operations.length > 1 ? answer.plan : null);
@@ -51,6 +52,5 @@ export function operationsTable(plan, single) {
 
 /** The cutters of a plan of several operations by the numbers of its program's tool calls. */
 export function cuttersByNumber({ operations }, program, cutters) {
-  const calls = [...program.matchAll(/^(?:N\d+ )?T(\d+) M6/gm)];
-  return Object.fromEntries(calls.map(([, number], i) => [number, cutters[operations[i].cutter]]));
+  return Object.fromEntries(toolCalls(program).map((number, i) => [number, cutters[operations[i].cutter]]));
 }

@@ -77,11 +77,12 @@ export const FIELDS = [
   { name: 'path_tolerance_mm', optional: 'none' },
   { name: 'time_factor', optional: '1' },
   { name: 'tool_change_s', optional: '10' },
-  { name: 'program_unit', label: 'Unit', help: 'Unit of the program: G21 or G20.', choices: [['mm', 'mm (G21)'], ['inch', 'inch (G20)']], value: 'mm' },
+  { name: 'program_dialect', label: 'Language', help: 'Language of the program: G-code, or Klartext of Heidenhain’s controls.', choices: [['iso', 'G-code'], ['klartext', 'Klartext']], value: 'iso' },
+  { name: 'program_unit', label: 'Unit', help: 'Unit of the program.', choices: [['mm', 'mm'], ['inch', 'inch']], value: 'mm' },
   { name: 'program_decimals', optional: '4' },
   { name: 'program_tool', optional: '1' },
-  { name: 'program_number_lines', label: 'Block numbers', help: 'N words at each block.', choices: [['no', 'No'], ['yes', 'N words']], value: 'no' },
-  { name: 'program_tool_length_offset', label: 'Length offset', help: 'G43 H at the first Z after each tool call; for controls whose tool call does not set the length.', choices: [['no', 'No'], ['yes', 'G43 H']], value: 'no' },
+  { name: 'program_number_lines', label: 'Block numbers', help: 'A number at each block.', choices: [['no', 'No'], ['yes', 'Yes']], value: 'no' },
+  { name: 'program_tool_length_offset', label: 'Length offset', help: 'G43 H at the first Z after each tool call of G-code; for controls whose tool call does not set the length.', choices: [['no', 'No'], ['yes', 'G43 H']], value: 'no' },
   ...originFields('program_'),
   { name: 'program_coolant', label: 'Coolant', help: 'M8 after the spindle starts.', choices: [['no', 'Off'], ['yes', 'M8']], value: 'no' },
   { name: 'program_spindle_speed_rpm', optional: 'cutter’s' },
@@ -123,6 +124,7 @@ const linesOf = (text) => text?.split('\n').map((line) => line.trim()).filter(Bo
 /** The options of the program; members at their defaults are left out. */
 export function programOf(values) {
   const options = {
+    dialect: values.program_dialect === 'klartext' ? 'klartext' : undefined,
     unit: values.program_unit === 'inch' ? 'inch' : undefined,
     decimals: values.program_decimals,
     tool: values.program_tool,

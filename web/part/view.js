@@ -16,6 +16,7 @@ import { EXAMPLES } from './examples.js';
 import { KeptPlans } from './kept.js';
 import { PartMap } from './map.js';
 import { cuttersByNumber, operationKeys, severalOf } from './operations.js';
+import { isKlartext } from './program.js';
 import { CUTTERS, FIELDS, INCH_CUTTERS, PROGRAM, REST_NAMES, SELECTION, fieldNameOf, originValues, parametersOf, programOf } from './request.js';
 import { alone, compose, curlOf, send, stlOf } from './sending.js';
 import { ToleranceSlider } from './slider.js';
@@ -73,7 +74,7 @@ export class PartView {
   #announced = el('p', { class: 'visually-hidden', role: 'status' });
   #openButton = el('button', { type: 'button', onclick: () => this.#openPasses() }, 'Open passes as a tool path');
   #planButtons = el('span', { class: 'buttons' },
-    el('button', { type: 'button', class: 'primary', onclick: () => this.#saveProgram() }, 'Download program (G-code)'),
+    el('button', { type: 'button', class: 'primary', onclick: () => this.#saveProgram() }, 'Download program'),
     el('button', { type: 'button', onclick: () => this.#checkProgram() }, 'Check the program'),
     el('button', { type: 'button', onclick: () => this.#kept.keep(this.#presentPlan) }, 'Keep this plan'),
     el('button', { type: 'button', onclick: () => this.#showSheet() }, 'Setup sheet'),
@@ -274,8 +275,9 @@ export class PartView {
   get #programName() {
     const { recommended } = this.#last;
     const several = severalOf(this.#last);
-    if (several) return `plan-${several.operations.length}-operations.nc`;
-    return `${nameOf(recommended)}-${Math.round(recommended.direction_deg)}deg.nc`.replaceAll(/[^\w.-]+/g, '_');
+    const ending = isKlartext(this.#plan.program.text) ? 'h' : 'nc';
+    if (several) return `plan-${several.operations.length}-operations.${ending}`;
+    return `${nameOf(recommended)}-${Math.round(recommended.direction_deg)}deg.${ending}`.replaceAll(/[^\w.-]+/g, '_');
   }
 
   async #saveProgram() {

@@ -468,16 +468,27 @@ test('from a part and a library to a program on disk in four clicks', async () =
   await page.locator('#library-file').setInputFiles(fileOf('mills.csv', 'name,type,diameter_mm,teeth,spindle_speed_rpm\nL8,ball end,8,3,9000\nL6,ball end,6,3,12000\n'));
   await page.locator('.chip').waitFor();
   await find(page);
-  const program = await downloaded(page, () => page.getByRole('button', { name: 'Download program (G-code)' }).click());
+  const program = await downloaded(page, () => page.getByRole('button', { name: 'Download program' }).click());
   assert.match(program, /^%\nG17 G21 G90 G94\n\(L[68]\)\nT1 M6\n/);
   // Header and tool number are those of the shop; the plan is asked for once more, alone.
   await page.locator('#view-part summary').filter({ hasText: /^Program/ }).click();
   await field(page, 'program_tool').fill('7');
   await page.locator('[data-field="program_header"] textarea').fill('(PART 4711)\nG54');
-  const again = await downloaded(page, () => page.getByRole('button', { name: 'Download program (G-code)' }).click());
+  const again = await downloaded(page, () => page.getByRole('button', { name: 'Download program' }).click());
   assert.match(again, /\(PART 4711\)\nG54\n/);
   assert.match(again, /\nT7 M6\n/);
   assert.equal(again.split('\n').filter((line) => /^(G[01] )?[XYZ]/.test(line)).join('\n'), program.split('\n').filter((line) => /^(G[01] )?[XYZ]/.test(line)).join('\n'));
+  // The same moves in Klartext, which the page reads as well.
+  await page.locator('[data-field="program_header"] textarea').fill('; PART 4711');
+  await page.locator('[data-field="program_dialect"] select').selectOption('klartext');
+  const klartext = await downloaded(page, () => page.getByRole('button', { name: 'Download program' }).click());
+  assert.match(klartext, /^BEGIN PGM FINISH MM\n; PART 4711\n; L[68]\nTOOL CALL 7 Z S\d+\nM3\n/);
+  const moves = (text) => page.evaluate(async (program) => {
+    const { movesOf, toolCalls } = await import('./workbench/part/program.js');
+    const { x, y, z, isRapid, operation, count } = movesOf(program);
+    return [toolCalls(program), ...[x, y, z, isRapid, operation].map((column) => [...column.slice(0, count)])];
+  }, text);
+  assert.deepEqual(await moves(klartext), await moves(again));
   clean(watch);
 });
 

@@ -6,7 +6,7 @@ use crate::http::wire::{NamedCandidate, OnePoint, answer};
 use crate::motion::Machine;
 use crate::numerics::vector::difference;
 use crate::path::Move;
-use crate::path::program::{Operation, WriteSettings, write_iso};
+use crate::path::program::{Operation, WriteSettings, write};
 use crate::planning::plan::Passes;
 use crate::quantity::SpindleSpeed;
 use serde_json::value::RawValue;
@@ -18,6 +18,7 @@ use utoipa::openapi::{RefOr, Schema};
 #[expect(clippy::struct_excessive_bools, reason = "each switches words of its own")]
 #[derive(Debug, Clone, Default)]
 pub(super) struct ProgramOptions {
+    klartext: bool,
     inches: bool,
     number_lines: bool,
     decimals: Option<u32>,
@@ -33,9 +34,11 @@ pub(super) struct ProgramOptions {
 members! {
     /// The members of the options of a program.
     pub(super) struct ProgramOptionMembers for ProgramOptionsKind ("ProgramOptions", "How the program is written; only with `program` in `include`") -> ProgramOptions {
+        klartext: optional PROGRAM_DIALECT: Choice<bool> = ("dialect", Choice { name: None, words: &[("iso", false), ("klartext", true)] },
+            "the language of the program: iso (default), G-code; klartext, that of Heidenhain's controls"),
         unit: optional PROGRAM_UNIT: Choice<bool> = ("unit", Choice { name: None, words: &[("mm", false), ("inch", true)] },
-            "the unit of the program: mm (default), G21; inch, G20"),
-        number_lines: optional NUMBER_LINES: Flag = ("number_lines", Flag, "whether blocks are numbered, in steps of 10, from 10 again after 99990; absent = false"),
+            "the unit of the program: mm (default) or inch"),
+        number_lines: optional NUMBER_LINES: Flag = ("number_lines", Flag, "whether blocks are numbered, those of G-code in steps of 10, from 10 again after 99990; absent = false"),
         decimals: optional DECIMALS: Whole = ("decimals", Whole { minimum: 2, maximum: 6, example: 4 }, "the decimals of coordinates; absent = 4, which in inches rounds by up to 1.3 um"),
         header: optional HEADER: List<Line> = ("header", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks at the beginning"),
         footer: optional FOOTER: List<Line> = ("footer", List { item: Line, about_item: "a block of printable ASCII characters", fewest: 0, most: 50 }, "blocks before M5 and M30"),
@@ -46,14 +49,15 @@ members! {
         origin: optional PROGRAM_ORIGIN: OnePoint = ("origin_mm", OnePoint,
             "where the program's zero point is in the coordinates of the surface, such as a corner of the stock; absent = at the zero point of the surface"),
         length_offset: optional LENGTH_OFFSET: Flag = ("tool_length_offset", Flag,
-            "whether the first Z after each tool call has G43 H with the tool's number; absent = false. Without it, a control whose tool call does not set the length moves the spindle's nose to where the tip should be"),
+            "whether the first Z after each tool call of G-code has G43 H with the tool's number; absent = false. Without it, a control whose tool call does not set the length moves the spindle's nose to where the tip should be"),
     }
 }
 
 impl ProgramOptionMembers {
     fn build(self, _: &JsonPath<'_>, _: &mut Faults) -> Result<ProgramOptions, Faulted> {
-        let Self { unit, number_lines, decimals, header, footer, tool, spindle_speed, coolant, length_offset, origin } = self;
+        let Self { klartext, unit, number_lines, decimals, header, footer, tool, spindle_speed, coolant, length_offset, origin } = self;
         Ok(ProgramOptions {
+            klartext: klartext?.unwrap_or_default(),
             inches: unit?.unwrap_or_default(),
             number_lines: number_lines?.unwrap_or_default(),
             decimals: decimals?,
@@ -97,8 +101,8 @@ answer! {
     /// A program.
     #[schema(as = Program)]
     pub(crate) struct ProgramAnswer {
-        /// The text. A plan has a tool call for each operation, G0 and G1 alone, coordinates and feeds with a decimal point, and modal
-        /// words are not repeated; a path's own program is the same, byte for byte, but for its feed words.
+        /// The text. A plan has a tool call for each operation and straight moves alone; in G-code, coordinates and feeds have a decimal
+        /// point, and modal words are not repeated; a path's own program is the same, byte for byte, but for its feed words.
         pub(super) text: String,
         /// The dialect of the text: `iso`, `klartext`, `apt` or `columns`.
         pub(super) dialect: &'static str [example = "iso"],
@@ -138,8 +142,9 @@ impl ProgramAnswer {
             footer: &options.footer,
             coolant: options.coolant,
             length_offset: options.length_offset,
+            klartext: options.klartext,
         };
-        let text = write_iso(&operations, &settings).ok()?;
-        Some(Self { text, dialect: "iso" })
+        let text = write(&operations, &settings).ok()?;
+        Some(Self { text, dialect: if options.klartext { "klartext" } else { "iso" } })
     }
 }

@@ -12,4 +12,4 @@ mod write;
 
 pub use program_points::{Dialect, Program, ProgramFault, ProgramFaultKind, ProgramPoint, Reached};
 pub use read::{ReadSettings, read};
-pub use write::{Gap, Operation, WriteSettings, with_feeds, write_iso};
+pub use write::{Gap, Operation, WriteSettings, with_feeds, write};

@@ -291,7 +291,7 @@ fn a_written_program_is_read_back() {
     for (inches, number_lines, decimals) in [(false, false, 4), (true, true, 6)] {
         let header = ["(made for a test)".to_owned()];
         let settings = WriteSettings { inches, number_lines, decimals, header: &header, ..WriteSettings::default() };
-        let text = write_iso(&[operation, operation], &settings).unwrap();
+        let text = write(&[operation, operation], &settings).unwrap();
         let program = program(&text);
         assert_eq!(program.dialect, Dialect::GCode);
         // The second operation's first Z is where the first one left the tool.
@@ -313,15 +313,39 @@ fn a_written_program_is_read_back() {
 fn modal_words_are_not_repeated() {
     let moves = moves();
     let operation = Operation { tool: 1, name: None, spindle_speed: None, moves: &moves, feed_rates: &[500.0; 4] };
-    let text = write_iso(&[operation], &WriteSettings::default()).unwrap();
+    let text = write(&[operation], &WriteSettings::default()).unwrap();
     let expected = "%\nG17 G21 G90 G94\nT1 M6\nG0 X0. Y0.\nZ10.\nX3.3 Y0.25\nG1 Z-1.5 F500.\nX7.125 Y2. Z-1.0625\nG0 Z10.\nM5\nM30\n%\n";
     assert_eq!(text, expected);
-    let with_offset = write_iso(&[operation], &WriteSettings { length_offset: true, ..WriteSettings::default() }).unwrap();
+    let with_offset = write(&[operation], &WriteSettings { length_offset: true, ..WriteSettings::default() }).unwrap();
     assert_eq!(with_offset, expected.replace("\nZ10.\n", "\nG43 H1 Z10.\n"));
-    let gap = write_iso(&[Operation { moves: &[moves[0], moves[2]], ..operation }], &WriteSettings::default());
+    let gap = write(&[Operation { moves: &[moves[0], moves[2]], ..operation }], &WriteSettings::default());
     assert_eq!(gap, Err(Gap { operation: 0, index: 1 }));
-    let no_feed = write_iso(&[Operation { feed_rates: &[], ..operation }], &WriteSettings::default());
+    let no_feed = write(&[Operation { feed_rates: &[], ..operation }], &WriteSettings::default());
     assert_eq!(no_feed, Err(Gap { operation: 0, index: 1 }));
+}
+
+#[test]
+#[allow(clippy::float_cmp)] // the same words give the same numbers
+fn a_plan_in_klartext_is_read_back() {
+    let moves = moves();
+    let operation = Operation { tool: 3, name: Some("ball (R3)"), spindle_speed: Some(12_000.0), moves: &moves, feed_rates: &[500.0; 4] };
+    let header = ["PLANE RESET STAY".to_owned()];
+    let settings = WriteSettings { klartext: true, header: &header, coolant: true, length_offset: true, ..WriteSettings::default() };
+    let expected = "BEGIN PGM FINISH MM\nPLANE RESET STAY\n; ball R3\nTOOL CALL 3 Z S12000\nM3\nM8\nL X+0 Y+0 R0 FMAX\nL Z+10 R0 FMAX\n\
+        L X+3.3 Y+0.25 FMAX\nL Z-1.5 F500\nL X+7.125 Y+2 Z-1.0625\nL Z+10 FMAX\nM5\nM9\nM30\nEND PGM FINISH MM\n";
+    assert_eq!(write(&[operation], &settings).unwrap(), expected);
+    for (inches, number_lines) in [(false, false), (true, true)] {
+        let written = |klartext| {
+            let settings = WriteSettings { klartext, inches, number_lines, decimals: 6, ..WriteSettings::default() };
+            program(&write(&[operation, Operation { spindle_speed: None, ..operation }], &settings).unwrap())
+        };
+        let (read, as_iso) = (written(true), written(false));
+        assert_eq!((read.dialect, read.points.len()), (Dialect::Klartext, as_iso.points.len()));
+        for (point, other) in read.points.iter().zip(&as_iso.points) {
+            assert_eq!((point.point, point.reached, point.tool), (other.point, other.reached, other.tool));
+            assert_relative_eq!(point.feed_rate.unwrap_or(0.0), other.feed_rate.unwrap_or(0.0), max_relative = 1e-4);
+        }
+    }
 }
 
 #[test]
@@ -434,7 +458,7 @@ fn linuxcnc_reads_back_what_is_written() {
             length_offset: inches,
             ..WriteSettings::default()
         };
-        std::fs::write(&file, write_iso(&[operation], &settings).unwrap()).unwrap();
+        std::fs::write(&file, write(&[operation], &settings).unwrap()).unwrap();
         let interpreter = std::env::var("RS274").unwrap_or_else(|_| "rs274".to_owned());
         let output = std::process::Command::new(interpreter).arg("-g").arg("-t").arg(&table).arg(&file).output().unwrap();
         let text = String::from_utf8(output.stdout).unwrap();
@@ -469,7 +493,7 @@ fn numbers_of_blocks_have_five_digits_at_most() {
         .map(|[from, to]| Move { from, to, kind: MoveKind::Cut })
         .collect();
     let operation = Operation { tool: 1, name: None, spindle_speed: None, moves: &moves, feed_rates: &vec![500.0; moves.len()] };
-    let text = write_iso(&[operation], &WriteSettings { number_lines: true, ..WriteSettings::default() }).unwrap();
+    let text = write(&[operation], &WriteSettings { number_lines: true, ..WriteSettings::default() }).unwrap();
     let numbers: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix('N')?.split(' ').next()).collect();
     assert_eq!((numbers[9998], numbers[9999]), ("99990", "10"));
 }

@@ -1,5 +1,5 @@
-//! Moves written as an ISO program: G17 G21 G90 G94, G0 and G1 alone, modal words not repeated, coordinates and feeds with a decimal
-//! point. A program that was read is written again with new feeds: the same text, byte for byte, but for its feed words.
+//! Moves written as a program: in G-code with G17 G21 G90 G94, G0 and G1 alone, modal words not repeated, coordinates and feeds with a
+//! decimal point; in Klartext with straight lines (L) alone. A program that was read is written again with new feeds: the same text, byte for byte, but for its feed words.
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded before the conversion")]
 
@@ -28,9 +28,9 @@ pub struct Operation<'a> {
 #[derive(Debug, Clone)]
 #[expect(clippy::struct_excessive_bools, reason = "each switches words of its own")]
 pub struct WriteSettings<'a> {
-    /// G20 and inches in place of G21 and mm.
+    /// Inches in place of mm.
     pub inches: bool,
-    /// Numbers the blocks in steps of 10, from 10 again after 99990.
+    /// Numbers the blocks: those of G-code in steps of 10, from 10 again after 99990; those of Klartext from 0 on.
     pub number_lines: bool,
     /// The decimals of coordinates, up to 8.
     pub decimals: usize,
@@ -40,13 +40,24 @@ pub struct WriteSettings<'a> {
     pub footer: &'a [String],
     /// M8 after each tool call.
     pub coolant: bool,
-    /// G43 H with the tool's number at the first Z after each tool call.
+    /// G43 H with the tool's number at the first Z after each tool call. Tool calls of Klartext set the length.
     pub length_offset: bool,
+    /// Klartext in place of G-code.
+    pub klartext: bool,
 }
 
 impl Default for WriteSettings<'_> {
     fn default() -> Self {
-        Self { inches: false, number_lines: false, decimals: 4, header: &[], footer: &[], coolant: false, length_offset: false }
+        Self {
+            inches: false,
+            number_lines: false,
+            decimals: 4,
+            header: &[],
+            footer: &[],
+            coolant: false,
+            length_offset: false,
+            klartext: false,
+        }
     }
 }
 
@@ -85,30 +96,12 @@ struct Writer<'a> {
 ///
 /// # Errors
 /// [`Gap`] if the moves do not join, or if there are fewer feed rates than moves.
-pub fn write_iso(operations: &[Operation<'_>], settings: &WriteSettings<'_>) -> Result<String, Gap> {
-    let none = || [const { String::new() }; 3];
-    let mut writer = Writer { text: "%\n".to_owned(), settings, number: 0, motion: "", axes: none(), feed: String::new() };
-    settings.header.iter().for_each(|line| writer.block(line));
-    writer.block(if settings.inches { "G17 G20 G90 G94" } else { "G17 G21 G90 G94" });
+pub fn write(operations: &[Operation<'_>], settings: &WriteSettings<'_>) -> Result<String, Gap> {
+    let mut writer = Writer { text: String::new(), settings, number: 0, motion: "", axes: Default::default(), feed: String::new() };
+    writer.begin();
     for (number, operation) in operations.iter().enumerate() {
         let Some(first) = operation.moves.first() else { continue };
-        if let Some(name) = operation.name {
-            let name: String = name.chars().filter(|c| c.is_ascii_graphic() && !matches!(c, '(' | ')') || *c == ' ').take(60).collect();
-            writer.block(&format!("({name})"));
-        }
-        writer.block(&format!("T{} M6", operation.tool));
-        if let Some(speed) = operation.spindle_speed {
-            writer.block(&format!("S{speed:.0} M3"));
-        }
-        if settings.coolant {
-            writer.block("M8");
-        }
-        (writer.motion, writer.axes, writer.feed) = ("", none(), String::new());
-        let [x, y, z] = first.from.map(|value| writer.coordinate(value));
-        writer.block(&format!("G0 X{x} Y{y}"));
-        let offset = if settings.length_offset { format!("G43 H{} ", operation.tool) } else { String::new() };
-        writer.block(&format!("{offset}Z{z}"));
-        (writer.motion, writer.axes) = ("G0", [x, y, z]);
+        writer.call(operation, first.from);
         let mut at = first.from;
         for (index, each) in operation.moves.iter().enumerate() {
             let feed = operation.feed_rates.get(index).copied();
@@ -121,19 +114,88 @@ pub fn write_iso(operations: &[Operation<'_>], settings: &WriteSettings<'_>) -> 
             at = each.to;
         }
     }
-    settings.footer.iter().for_each(|line| writer.block(line));
-    writer.block("M5");
-    if settings.coolant {
-        writer.block("M9");
-    }
-    writer.block("M30");
-    writer.text.push_str("%\n");
+    writer.end();
     Ok(writer.text)
 }
 
 impl Writer<'_> {
+    /// The blocks before the operations.
+    fn begin(&mut self) {
+        let &WriteSettings { klartext, inches, header, .. } = self.settings;
+        if klartext {
+            self.block(if inches { "BEGIN PGM FINISH INCH" } else { "BEGIN PGM FINISH MM" });
+        } else {
+            self.text.push_str("%\n");
+        }
+        for line in header {
+            self.block(line);
+        }
+        if !klartext {
+            self.block(if inches { "G17 G20 G90 G94" } else { "G17 G21 G90 G94" });
+        }
+    }
+
+    /// The call of an operation's tool, and the rapid to its first point.
+    fn call(&mut self, operation: &Operation<'_>, first: [f64; 3]) {
+        let &WriteSettings { klartext, coolant, length_offset, .. } = self.settings;
+        let tool = operation.tool;
+        if let Some(name) = operation.name {
+            let name: String = name.chars().filter(|c| c.is_ascii_graphic() && !matches!(c, '(' | ')') || *c == ' ').take(60).collect();
+            self.block(&if klartext { format!("; {name}") } else { format!("({name})") });
+        }
+        let speed = operation.spindle_speed.map(|speed| format!("S{speed:.0}"));
+        match (klartext, speed) {
+            (true, speed) => {
+                self.block(format!("TOOL CALL {tool} Z {}", speed.as_deref().unwrap_or_default()).trim_end());
+                if speed.is_some() {
+                    self.block("M3");
+                }
+            }
+            (false, speed) => {
+                self.block(&format!("T{tool} M6"));
+                if let Some(speed) = speed {
+                    self.block(&format!("{speed} M3"));
+                }
+            }
+        }
+        if coolant {
+            self.block("M8");
+        }
+        let [x, y, z] = first.map(|value| self.coordinate(value));
+        if klartext {
+            self.block(&format!("L X{x} Y{y} R0 FMAX"));
+            self.block(&format!("L Z{z} R0 FMAX"));
+        } else {
+            self.block(&format!("G0 X{x} Y{y}"));
+            let offset = if length_offset { format!("G43 H{tool} ") } else { String::new() };
+            self.block(&format!("{offset}Z{z}"));
+        }
+        (self.motion, self.axes, self.feed) = ("G0", [x, y, z], String::new());
+    }
+
+    /// The blocks after the operations.
+    fn end(&mut self) {
+        let &WriteSettings { klartext, coolant, footer, inches, .. } = self.settings;
+        for line in footer {
+            self.block(line);
+        }
+        self.block("M5");
+        if coolant {
+            self.block("M9");
+        }
+        self.block("M30");
+        if klartext {
+            self.block(if inches { "END PGM FINISH INCH" } else { "END PGM FINISH MM" });
+        } else {
+            self.text.push_str("%\n");
+        }
+    }
+
     fn block(&mut self, text: &str) {
-        if self.settings.number_lines {
+        if self.settings.number_lines && self.settings.klartext {
+            let _ = write!(self.text, "{} ", self.number);
+            self.number += 1;
+        } else if self.settings.number_lines {
             self.number = if self.number < LAST_NUMBER { self.number + 10 } else { 10 };
             let _ = write!(self.text, "N{} ", self.number);
         }
@@ -146,7 +208,12 @@ impl Writer<'_> {
     }
 
     fn coordinate(&self, mm: f64) -> String {
-        number(mm / self.scale(), self.settings.decimals.min(8))
+        let number = number(mm / self.scale(), self.settings.decimals.min(8));
+        if !self.settings.klartext {
+            return number;
+        }
+        let sign = if number.starts_with('-') { "" } else { "+" };
+        format!("{sign}{}", number.trim_end_matches('.'))
     }
 
     fn line_to(&mut self, to: [f64; 3], is_rapid: bool, feed_rate: f64) {
@@ -168,15 +235,22 @@ impl Writer<'_> {
             // Rounded down, so that no feed exceeds what keeps the tolerance.
             let decimals = if self.settings.inches { 3 } else { 1 };
             let unit = 10.0_f64.powi(decimals);
-            let feed = (feed_rate / self.scale() * unit).floor().max(1.0) / unit;
-            let feed = number(feed, decimals as usize);
+            // Klartext has feeds in tenths of an inch.
+            let scale = if self.settings.klartext && self.settings.inches { 0.1 * self.scale() } else { self.scale() };
+            let feed = (feed_rate / scale * unit).floor().max(1.0) / unit;
+            let mut feed = number(feed, decimals as usize);
+            if self.settings.klartext {
+                feed.truncate(feed.trim_end_matches('.').len());
+            }
             if feed != self.feed {
                 words.push_str(" F");
                 words.push_str(&feed);
                 self.feed = feed;
             }
         }
-        if motion != self.motion {
+        if self.settings.klartext {
+            words = format!("L {words}{}", if is_rapid { " FMAX" } else { "" });
+        } else if motion != self.motion {
             self.motion = motion;
             words = format!("{motion} {words}");
         }

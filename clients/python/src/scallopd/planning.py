@@ -135,6 +135,7 @@ class LibraryFilter(TypedDict, total=False):
 class ProgramOptions(TypedDict, total=False):
     """How the program of `include` is written."""
 
+    dialect: Literal["iso", "klartext"]
     unit: Literal["mm", "inch"]
     number_lines: bool
     decimals: int
