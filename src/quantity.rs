@@ -143,11 +143,14 @@ quantity! {
 }
 
 impl Speed {
-    /// The speed in mm/min, to 1e-9 mm/min: a speed that was given in mm/min is again the same number.
+    /// The speed in mm/min. One that was given in mm/min, with up to nine decimals, is again the same number.
     #[must_use]
     pub fn mm_min(self) -> f64 {
         const STEPS: f64 = 1e9;
-        (self.0 * 60.0 * STEPS).round() / STEPS
+        let product = self.0 * 60.0;
+        // Division and multiplication both round: what was given is the number whose division has this result.
+        let given = (product * STEPS).round() / STEPS;
+        if (given / 60.0).to_bits() == self.0.to_bits() { given } else { product }
     }
 }
 
