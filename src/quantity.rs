@@ -148,9 +148,9 @@ impl Speed {
     pub fn mm_min(self) -> f64 {
         const STEPS: f64 = 1e9;
         let product = self.0 * 60.0;
-        // Division and multiplication both round: what was given is the number whose division has this result.
+        // Conversions and the way over a feed per tooth each round by a unit of the last place.
         let given = (product * STEPS).round() / STEPS;
-        if (given / 60.0).to_bits() == self.0.to_bits() { given } else { product }
+        if (given - product).abs() <= 8.0 * f64::EPSILON * product { given } else { product }
     }
 }
 
