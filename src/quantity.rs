@@ -148,7 +148,7 @@ impl Speed {
     pub fn mm_min(self) -> f64 {
         const STEPS: f64 = 1e9;
         let product = self.0 * 60.0;
-        // Conversions and the way over a feed per tooth each round by a unit of the last place.
+        // The conversion to mm/s, and those to a feed per tooth and back, round in the last places.
         let given = (product * STEPS).round() / STEPS;
         if (given - product).abs() <= 8.0 * f64::EPSILON * product { given } else { product }
     }

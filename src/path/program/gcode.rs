@@ -35,15 +35,15 @@ pub(super) const AUXILIARY_M: [i32; 37] = [
 pub(super) struct State {
     pub(super) motion: Option<Motion>,
     /// First, second and third axis of the arcs' plane.
-    pub(super) plane: [usize; 3],
+    plane: [usize; 3],
     pub(super) millimetres: f64,
-    pub(super) absolute: bool,
+    absolute: bool,
     pub(super) absolute_centres: bool,
     pub(super) per_revolution: bool,
     pub(super) feed: Option<f64>,
     pub(super) spindle: Option<f64>,
     pub(super) tool: u32,
-    pub(super) next_tool: u32,
+    next_tool: u32,
     /// Unknown axes are those that have not been moved to yet, or that a reference point moved away.
     pub(super) position: [Option<f64>; 3],
     pub(super) is_new: bool,
@@ -56,17 +56,17 @@ pub(super) struct Block {
     pub(super) axes: [Option<f64>; 3],
     pub(super) centre: [Option<f64>; 3],
     pub(super) radius: Option<f64>,
-    pub(super) motion: Option<Motion>,
+    motion: Option<Motion>,
     /// Its axis words are for a reference point or machine coordinates.
     pub(super) reference: bool,
     /// Its axis words are parameters of a dwell or of the control's smoothing: nothing moves.
-    pub(super) parameters: bool,
-    pub(super) tool_change: bool,
+    parameters: bool,
+    tool_change: bool,
     /// A word of it is refused: its other words may belong to that one.
     pub(super) refused: bool,
-    pub(super) first_of_arc: Option<Word>,
+    first_of_arc: Option<Word>,
     /// LinuxCNC's number of turns of an arc.
-    pub(super) turns: Option<Word>,
+    turns: Option<Word>,
 }
 
 pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
@@ -459,7 +459,7 @@ fn named(text: &str, variables: &mut Variables) -> Option<(Option<Word>, usize)>
             let neutral = arguments.split(',').skip(4).take(9).all(|value| value.trim().is_empty() || value.trim().parse() == Ok(0.0));
             neutral.then_some((None, with(behind, arguments.len() + 2)))
         }
-        // Of an unknown value, the axis that it moves has one too. A rotary axis goes home by it, or is a fault.
+        // NaN if the value is unknown. For rotary axes too: a variable moves them home in machine coordinates, and is a fault elsewhere.
         (letter, Some(value)) if letter.len() == 1 && is_variable(&variable_at_start(value)) => {
             let name = variable_at_start(value);
             let constant = variables.get(&name).copied().filter(|_| !matches!(letter, "A" | "B" | "C")).unwrap_or(f64::NAN);

@@ -8,7 +8,7 @@ use super::program_points::{Collected, ProgramFaultKind};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// How blocks begin that no other language has, after their number.
+/// Beginnings of blocks, after the block number, that only Klartext has.
 const BEGINNINGS: [&str; 13] =
     ["BEGIN PGM", "BLK FORM", "TOOL CALL", "TOOL DEF", "CYCL DEF", "L X", "L Y", "L Z", "L IX", "L IY", "L IZ", "CC X", "FN "];
 
@@ -18,7 +18,7 @@ const FUNCTIONS: [i32; 32] = [
     144, 145, 148, 149,
 ];
 
-/// Those behind which further words belong to them.
+/// M functions with parameters: the words after them belong to the function.
 const WITH_PARAMETERS: [i32; 6] = [103, 118, 120, 124, 128, 140];
 
 /// The largest angle of CP in degrees, the control's own limit.
@@ -35,7 +35,8 @@ fn without_number(block: &str) -> &str {
 }
 
 pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
-    let state = State { absolute_centres: true, ..State::new() };
+    let mut state = State::new();
+    state.absolute_centres = true;
     let mut reader = Reader { state, unit: 1.0, pole: [None; 2], tool_feed: None, variables: HashMap::new(), line: 0, sagitta, collected };
     for (block, number) in text.lines().zip(1..) {
         reader.line = number;
@@ -46,7 +47,7 @@ pub(super) fn read(text: &str, sagitta: f64, collected: &mut Collected) {
 }
 
 struct Reader<'c> {
-    /// With the unit of feeds in place of that of coordinates.
+    /// Its unit is that of feeds; coordinates have `unit`.
     state: State,
     /// The unit of coordinates in mm.
     unit: f64,
@@ -84,7 +85,7 @@ impl Reader<'_> {
             ("TRANS", "DATUM") | ("PLANE", "SPATIAL") => self.expect_neutral(&rest[1..], 0.0),
             ("PLANE" | "TRANS", _) => self.fault(ProgramFaultKind::Transformation, block),
             ("TOOL", "CALL") => self.tool_call(block, &rest[1..]),
-            // Measuring leads the machine to where is not told.
+            // The position after a measuring cycle is unknown.
             ("TCH", "PROBE") => (self.state.position, self.state.is_new) = ([None; 3], true),
             ("CYCL", "DEF") => self.cycle(&rest[1..], block),
             ("CYCL", _) => self.fault(ProgramFaultKind::Cycle, block),
@@ -121,7 +122,7 @@ impl Reader<'_> {
         (f64::abs(value) <= 1e9).then_some(sign * value)
     }
 
-    /// Sets a parameter, as in `Q5 = +1200`. What is not a constant leaves it unknown.
+    /// Sets a parameter, as in `Q5 = +1200`. Its value is unknown if it is not a constant.
     fn assign(&mut self, assignment: &str) {
         let Some((name, value)) = assignment.split_once('=') else { return self.fault(ProgramFaultKind::Macro, assignment) };
         if let Some(index) = name.trim().strip_prefix('Q').and_then(|index| index.parse().ok()) {
@@ -162,7 +163,7 @@ impl Reader<'_> {
             }
         }
         if let Some(tool) = tool {
-            // Where the tool is changed is not told.
+            // The position after a tool change is unknown.
             (self.state.tool, self.state.is_new) = (tool, true);
         }
     }
@@ -178,7 +179,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The words of a transformation, which have to state this value. The line of a table of datums is a work offset.
+    /// Each value of a transformation must be the neutral one. A line of the datum table (`#3`) is a work offset, and accepted.
     fn expect_neutral(&mut self, words: &[&str], neutral: f64) {
         for word in words.iter().filter(|word| !word.starts_with('#')) {
             let (name, number) = split(word);
@@ -261,7 +262,7 @@ impl Reader<'_> {
                         91 | 92 => block.reference = true,
                         136 => self.state.per_revolution = true,
                         137 => self.state.per_revolution = false,
-                        // Up along the tool's axis, to where is not told.
+                        // Retracts along the tool axis to an unknown height.
                         140 => (self.state.position[2], self.state.is_new) = (None, true),
                         known if FUNCTIONS.contains(&known) || AUXILIARY_M.contains(&(10 * known)) => {}
                         _ => self.fault(ProgramFaultKind::UnknownWord, word),
@@ -304,7 +305,7 @@ impl Reader<'_> {
         };
         let (radius, start) = ((x - pole_x).hypot(y - pole_y), (y - pole_y).atan2(x - pole_x));
         let rise = block.axes[2].map_or(0.0, |end| end - z);
-        // In half turns at most, whose sense is clear.
+        // Arcs of at most half a turn: their ends and their direction define them.
         let parts = (sweep.abs() / PI).ceil();
         for part in 1..=parts as u32 {
             let share = f64::from(part) / parts;

@@ -1,5 +1,6 @@
 //! Moves written as a program: in G-code with G17 G21 G90 G94, G0 and G1 alone, modal words not repeated, coordinates and feeds with a
-//! decimal point; in Klartext with straight lines (L) alone. A program that was read is written again with new feeds: the same text, byte for byte, but for its feed words.
+//! decimal point; in Klartext with straight lines (L) alone. A program that was read is written again with new feeds: the same text, byte
+//! for byte, but for its feed words.
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded before the conversion")]
 
@@ -395,7 +396,7 @@ fn scan(block: &str) -> (Option<FeedWord>, usize) {
                     at += 1;
                 }
                 let first = at;
-                // A variable behind `=` is no number, but the feed all the same.
+                // The name of a variable after `=` is a feed word too, with the value NaN.
                 let is_name = |byte: u8| block[from..first].contains('=') && (byte.is_ascii_alphanumeric() || byte == b'_');
                 while bytes.get(at).is_some_and(|&byte| matches!(byte, b'0'..=b'9' | b'.' | b'+' | b'-') || is_name(byte)) {
                     at += 1;
