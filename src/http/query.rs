@@ -5,7 +5,7 @@
 use super::codes::RequestFault;
 use super::json_body::malformed;
 use super::problem::Problem;
-use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark, nearest};
+use super::reading::{Components, Faulted, Faults, JsonPath, Object, mark, meant};
 use serde_json::value::RawValue;
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -112,7 +112,7 @@ impl Query {
     /// Records an unknown parameter: with the one that was probably meant, or with all of them if it is among the first.
     fn unknown(&self, name: &str, path: &JsonPath<'_>, faults: &mut Faults) {
         let known = || self.members.iter().map(|member| member.name.as_str());
-        let detail = match nearest(name, known()) {
+        let detail = match meant(name, known()) {
             Some(meant) => format!("unknown parameter; did you mean {meant}?"),
             None if faults.count() < MOST_WITH_KNOWN => {
                 format!("unknown parameter; known here: {}", known().collect::<Vec<_>>().join(", "))

@@ -56,11 +56,11 @@ async fn misplaced_members_are_told_where_they_belong() {
         ("/diameter", "unknown field; did you mean diameter_mm in cutter?"),
         ("/slope", "unknown field; did you mean slope_deg in contact?"),
         ("/stepOver", "unknown field; did you mean step_over_mm?"),
+        // Not one of another object that only resembles it: `radial_mm` of the runout.
+        ("/radius", "unknown field; did you mean surface_radius_mm?"),
     ] {
         assert_eq!(detail(&problem, pointer), expected);
     }
-    // A name that only resembles one of another object is not taken for it: `radial_mm` of the runout.
-    assert!(detail(&problem, "/radius").starts_with("unknown field; known here: cutter, "));
     // In a recommendation the same member belongs to the cutter.
     let problem = app
         .refusal(
@@ -92,12 +92,23 @@ async fn misspelt_members_are_told_the_nearest_name() {
         ("scallopTolerance", "scallop_tolerance_mm"),
         ("scallop_tolerance_in", "scallop_tolerance_mm"),
         ("spindle_speed", "spindle_speed_rpm"),
+        ("spindle_rpm", "spindle_speed_rpm"),
+        ("tolerance", "scallop_tolerance_mm"),
     ] {
         let mut request = max_feed();
         request[name] = json!(1);
         let problem = app.refusal("/v1/max-feed", &request).await;
         assert_eq!(detail(&problem, &format!("/{name}")), format!("unknown field; did you mean {meant}?"));
     }
+    let cutter = json!({"type": "tapered_ball", "ball_diameter_mm": 2, "taper_half_angle_deg": 5, "feedPerTooth": 0.1, "angle_deg": 5});
+    let request = json!({"surface": {"points": []}, "scallop_height_mm": 0.01, "machine": "vmc", "cutters": [cutter]});
+    let problem = app.refusal("/v1/cutter-recommendation", &request).await;
+    for (name, meant) in
+        [("ball_diameter_mm", "diameter_mm"), ("taper_half_angle_deg", "taper_deg"), ("feedPerTooth", "max_feed_per_tooth_mm")]
+    {
+        assert_eq!(detail(&problem, &format!("/cutters/0/{name}")), format!("unknown field; did you mean {meant}?"));
+    }
+    assert!(detail(&problem, "/cutters/0/angle_deg").starts_with("unknown field; known here: type, "));
     let mut request = max_feed();
     request["coolant"] = json!(1);
     assert!(detail(&app.refusal("/v1/max-feed", &request).await, "/coolant").starts_with("unknown field; known here: cutter, "));

@@ -13,8 +13,8 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
-/// The client's time-out, longer than any request of a test takes on a slow machine.
-pub(crate) const PATIENCE: Duration = Duration::from_mins(1);
+/// The client's time-out, and the service's for a request unless a test sets it: longer than any takes on a slow and busy machine.
+pub(crate) const PATIENCE: Duration = Duration::from_mins(5);
 
 /// The settings of a service that is started without arguments.
 pub(crate) fn defaults() -> Settings {
@@ -39,7 +39,7 @@ pub(crate) struct Answer {
 }
 
 impl TestApp {
-    /// Starts the service with the default settings.
+    /// Starts the service with the default settings, and more time for each request.
     pub(crate) async fn start() -> Self {
         Self::start_with(|_| {}).await
     }
@@ -47,6 +47,7 @@ impl TestApp {
     /// Starts the service with some settings other than the default.
     pub(crate) async fn start_with(set: impl FnOnce(&mut Settings)) -> Self {
         let mut settings = defaults();
+        settings.request_timeout_s = PATIENCE;
         set(&mut settings);
         Self::serve(settings, http::routes()).await
     }

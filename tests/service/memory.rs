@@ -42,7 +42,7 @@ fn upload(address: SocketAddr, facets: &[u8]) -> String {
     let tail = "\r\n--part--\r\n";
     let length = head.len() + 84 + 50 * FACETS as usize + tail.len();
     let mut stream = TcpStream::connect(address).unwrap();
-    stream.set_read_timeout(Some(4 * PATIENCE)).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
     write!(
         stream,
         "POST /v1/cutter-recommendation/upload HTTP/1.1\r\nhost: test\r\nconnection: close\r\ncontent-type: multipart/form-data; boundary=part\r\n\

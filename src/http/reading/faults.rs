@@ -196,15 +196,38 @@ impl Faults {
     }
 }
 
-/// The name that was probably meant by an unknown one: the one that fewest changes of a letter, two at most, turn it into.
-/// Two neighbouring letters in the wrong order are one change; capitals, separators, and a unit at the end count for nothing.
-pub(crate) fn nearest<'n>(unknown: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+/// The name that was probably meant by an unknown one: the nearest by its letters, or the one that shares its words.
+pub(crate) fn meant<'n>(unknown: &str, known: impl Iterator<Item = &'n str> + Clone) -> Option<&'n str> {
+    nearest(unknown, known.clone()).or_else(|| with_its_words(unknown, known))
+}
+
+/// The name that fewest changes of a letter, two at most, turn an unknown one into. Two neighbouring letters in the wrong order are
+/// one change; capitals, separators, and a unit at the end count for nothing.
+fn nearest<'n>(unknown: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     let most = 2.min(bare(unknown).chars().count() / 3);
     let changes = known.map(|name| {
         let of_bare = strsim::osa_distance(&bare(unknown), &bare(name));
         (of_bare.min(strsim::osa_distance(&letters(unknown), &letters(name))), name)
     });
     changes.filter(|(changes, _)| *changes <= most).min_by_key(|(changes, _)| *changes).map(|(_, name)| name)
+}
+
+/// The one name that has words more or fewer than an unknown one: `max_feed_per_tooth_mm` for `feed_per_tooth`, and `diameter_mm` for
+/// `ball_diameter_mm`. Of several, the one with fewest letters more or fewer.
+fn with_its_words<'n>(unknown: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    const LEAST: usize = 3;
+    let unknown = bare(unknown);
+    let further = known.filter_map(|name| {
+        let known = bare(name);
+        let [shorter, longer] = if known.len() < unknown.len() { [&known, &unknown] } else { [&unknown, &known] };
+        (shorter.len() >= LEAST && longer.contains(shorter.as_str())).then(|| (longer.len() - shorter.len(), name))
+    });
+    let mut further: Vec<(usize, &str)> = further.collect();
+    further.sort_by_key(|(letters, _)| *letters);
+    match further[..] {
+        [(least, _), (next, _), ..] if least == next => None,
+        _ => further.first().map(|(_, name)| *name),
+    }
 }
 
 /// The letters and digits of a name, in lower case: `stepover` of `stepOver` and of `step-over`.

@@ -10,7 +10,7 @@ mod object;
 
 pub(crate) use array::{List, each_raw, items};
 pub(crate) use columns::Columns;
-pub(crate) use faults::{Fault, Faulted, Faults, JsonPath, describe, nearest};
+pub(crate) use faults::{Fault, Faulted, Faults, JsonPath, describe, meant};
 pub(crate) use kinds::{Choice, Flag, Number, NumberPair, Quantity, Renamed, Vector, Whole, number, text};
 pub(crate) use not_finite::{mark, mark_not_finite};
 pub(crate) use object::{

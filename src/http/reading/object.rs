@@ -1,7 +1,7 @@
 //! Objects in requests: their named members, the kinds of their values, the reader, the schema, and the macro `members!`. One
 //! declaration defines both the reader and the schema, and all faults are recorded.
 
-use super::{Faulted, Faults, JsonPath, describe, nearest};
+use super::{Faulted, Faults, JsonPath, describe, meant};
 use crate::http::codes::RequestFault;
 use crate::json::JsonError;
 use serde::Deserialize;
@@ -320,7 +320,7 @@ impl<'a, 'p> Object<'a, 'p> {
         let known = if self.members.is_empty() { String::new() } else { self.known.join(", ") };
         for (index, (name, _)) in self.members.iter().enumerate() {
             let path = self.path.member(name);
-            result = Err(match nearest(name, self.known.iter().copied()) {
+            result = Err(match meant(name, self.known.iter().copied()) {
                 Some(meant) => faults.add(&path, RequestFault::UnknownField, format_args!("unknown field; did you mean {meant}?")),
                 None if index < MOST_WITH_KNOWN => {
                     faults.add(&path, RequestFault::UnknownField, format_args!("unknown field; known here: {known}"))

@@ -117,6 +117,7 @@ impl<'a> Linker<'a> {
             link.seconds += travel::straight(length, link_rate, &self.settings.machine);
             link.fed.extend(points.into_iter().skip(1));
         }
+        link.fed.dedup_by(|tip, before| travel::distance(*tip, *before) <= travel::NEGLIGIBLE);
         link.moving_seconds = link.length / link_rate;
         Some(link)
     }

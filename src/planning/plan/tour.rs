@@ -7,6 +7,7 @@ use super::spacing::Prepared;
 use super::travel;
 use super::workpiece::Workpiece;
 use crate::motion::{Machine, TimedMove};
+use crate::numerics::vector::mixed;
 use crate::path::{Move, MoveKind};
 use crate::quantity::Speed;
 use rayon::prelude::*;
@@ -43,6 +44,29 @@ impl Leg {
         let run = &runs[self.run];
         if run.closed { run.tips[self.start].tip } else { run.end(!self.reversed) }
     }
+}
+
+/// The distance in mm up to which two tips are twins.
+const TWINS: f64 = 2e-3;
+
+/// The tips of a run without those that lie beside a twin and on the path of the others: where targets begin and end, and where stretches
+/// are cut off, tips may be a micrometre apart, and controls slow down there.
+fn without_twins(tips: Vec<&RunTip>) -> Vec<&RunTip> {
+    let mut is_needed = vec![true; tips.len()];
+    for at in 1..tips.len().saturating_sub(1) {
+        is_needed[at] = !(is_needed[at - 1] && is_needless([tips[at - 1], tips[at], tips[at + 1]]));
+    }
+    tips.into_iter().zip(is_needed).filter_map(|(tip, is_needed)| is_needed.then_some(tip)).collect()
+}
+
+/// Whether the path between two tips is the same without the one between them, which is beside one of them, and no more of it has the
+/// feed rate of a target.
+fn is_needless([before, tip, after]: [&RunTip; 3]) -> bool {
+    let [to_before, to_after] = [before, after].map(|other| travel::distance(tip.tip, other.tip));
+    let straight = mixed(before.tip, after.tip, to_before / (to_before + to_after).max(f64::MIN_POSITIVE));
+    let [twin, other] = if to_before < to_after { [before, after] } else { [after, before] };
+    let keeps_rates = other.target.is_some() || tip.target.is_some() == twin.target.is_some();
+    keeps_rates && to_before.min(to_after) <= TWINS && travel::distance(tip.tip, straight) <= travel::NEGLIGIBLE
 }
 
 /// How the next run is chosen. Which of the two has the shorter links differs from part to part.
@@ -206,7 +230,8 @@ impl Tour {
         chord_tolerance: f64,
     ) -> Self {
         let linker = Linker::new(workpiece, prepared, settings, chord_tolerance);
-        let runs: Vec<Vec<&RunTip>> = in_order(runs, order, settings.pattern, linker.near()).iter().map(|leg| leg.tips(runs)).collect();
+        let order = in_order(runs, order, settings.pattern, linker.near());
+        let runs: Vec<Vec<&RunTip>> = order.iter().map(|leg| without_twins(leg.tips(runs))).collect();
         let mut tour = Self::default();
         let Some((first, last)) = runs.first().and_then(|run| run.first()).zip(runs.last().and_then(|run| run.last())) else { return tour };
         let links: Vec<Link> = runs.par_windows(2).map(|pair| linker.between(&pair[0], &pair[1])).collect();
@@ -256,7 +281,7 @@ impl Tour {
             length += step;
             seconds += step / rate;
             match self.points.last_mut() {
-                Some(point) if last.is_none() && travel::distance(point.at.tip, tip.tip) < 1e-12 => point.at = *tip,
+                Some(point) if last.is_none() && travel::distance(point.at.tip, tip.tip) <= travel::NEGLIGIBLE => point.at = *tip,
                 _ => self.points.push(TourPoint { at: *tip, kind: MoveKind::Cut, rate }),
             }
             last = Some(tip);
@@ -297,5 +322,31 @@ fn rate_of_move(workpiece: &Workpiece, prepared: &Prepared, from: &RunTip, to: &
         (Some(a), Some(b)) => a.min(b),
         (Some(a), None) | (None, Some(a)) => a,
         (None, None) => prepared.link_rate,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tip_beside_its_twin_is_left_out_where_the_path_stays_the_same() {
+        let needed = |line: &[(f64, f64, bool)]| -> Vec<f64> {
+            let tip =
+                |&(x, z, is_target): &(f64, f64, bool)| RunTip { tip: [x, 0.0, z], target: is_target.then_some(0), contact: [0.0; 3] };
+            let tips: Vec<RunTip> = line.iter().map(tip).collect();
+            without_twins(tips.iter().collect()).iter().map(|tip| tip.tip[0]).collect()
+        };
+        let gap = |height: f64| {
+            [(0.0, 0.0, true), (1.0, 0.0, true), (1.001, height, false), (2.0, 0.0, false), (2.001, 0.0, true), (3.0, 0.0, true)]
+        };
+        assert_eq!(needed(&gap(0.0)), [0.0, 1.001, 2.0, 3.0]);
+        assert_eq!(needed(&gap(0.001)), [0.0, 1.0, 1.001, 2.0, 3.0]);
+        // A target between two gaps stays one, and a run keeps its ends.
+        assert_eq!(needed(&[(0.0, 0.0, false), (1.0, 0.0, false), (1.001, 0.0, true), (2.0, 0.0, false)]), [0.0, 1.0, 1.001, 2.0]);
+        assert_eq!(needed(&[(0.0, 0.0, true), (0.001, 0.0, true), (1.0, 0.0, true), (1.001, 0.0, true)]), [0.0, 1.001]);
+        // Of many tips close together, no two neighbours are left out.
+        let close: Vec<(f64, f64, bool)> = (0..7).map(|at| (0.001 * f64::from(at), 0.0, true)).collect();
+        assert_eq!(needed(&close), [0.0, 0.002, 0.004, 0.006]);
     }
 }

@@ -7,6 +7,9 @@ use crate::quantity::{Length, Speed};
 /// rate.
 pub const APPROACH_HEIGHT: f64 = 1.0;
 
+/// A distance in mm far below the rounding of programs.
+pub(super) const NEGLIGIBLE: f64 = 1e-5;
+
 /// The time in s of a straight move of `length` mm at most at `rate` mm/s.
 pub(super) fn straight(length: f64, rate: f64, machine: &Machine) -> f64 {
     if length <= 0.0 {

@@ -200,8 +200,8 @@ fn step_overs_are_the_distances_to_the_farther_of_the_neighbours_that_are_cut() 
         let (mut compared, mut agree, mut widest, mut narrowest) = (0, 0, 0.0_f64, f64::INFINITY);
         for [point, other] in cuts.iter().flat_map(|[from, to]| [[from, to], [to, from]]) {
             let Some(cut) = point.cut.filter(|cut| cut.normal[2] > 1.0 - 1e-9) else { continue };
-            // A place just inside the run: at its end, those beside it begin or end by a rounding.
-            let x = point.tip[0] + 0.01 * (other.tip[0] - point.tip[0]).signum();
+            // A place just inside the move: at its end, those beside it begin or end by a rounding.
+            let x = point.tip[0] + ((other.tip[0] - point.tip[0]) / 2.0).clamp(-0.01, 0.01);
             let [below, above] = neighbours(x, point.tip[1]);
             if below.max(above) < f64::INFINITY {
                 compared += 1;
