@@ -84,16 +84,31 @@ const TOO_FAR_APART: f64 = 0.05;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MissedStation<'a> {
     pub(super) station: &'a Station,
+    /// What the path leaves there.
+    pub(super) judged: Judged,
     /// Its share of the area of all stations.
     pub(super) share: f64,
+}
+
+/// Whether what is left at a station that the cutter can reach is no ridge between lines.
+fn is_missed(judged: Judged, family: &Family, height: f64) -> bool {
+    judged.ridge(height) > missed_from(family) * height
+}
+
+impl MissedStation<'_> {
+    /// The station, if it is still missed after a path that leaves this there.
+    pub(super) fn after(self, path: &Judged, family: &Family, height: f64) -> Option<Self> {
+        let judged = self.judged.together(path);
+        is_missed(judged, family, height).then_some(Self { judged, ..self })
+    }
 }
 
 /// The missed stations; the scallop height in mm.
 pub(super) fn missed<'a>(stations: &'a [Station], judged: &'a [Judged], family: &Family, height: f64) -> Vec<MissedStation<'a>> {
     let whole = stations.iter().map(|station| station.place.area).sum::<f64>().max(f64::MIN_POSITIVE);
-    let of_station = |(station, judged): (&'a Station, &Judged)| {
-        let is_missed = station.lift <= height && judged.ridge(height) > missed_from(family) * height;
-        is_missed.then_some(MissedStation { station, share: station.place.area / whole })
+    let of_station = |(station, &judged): (&'a Station, &Judged)| {
+        let is_missed = station.lift <= height && is_missed(judged, family, height);
+        is_missed.then_some(MissedStation { station, judged, share: station.place.area / whole })
     };
     stations.iter().zip(judged).filter_map(of_station).collect()
 }

@@ -282,19 +282,19 @@ impl Planner<'_> {
     pub(super) fn with_missed_places(&self, stations: &[Station], plan: MilledPlan, least: f64) -> Result<MilledPlan, NoPlan> {
         let Self { workpiece, prepared, settings, stop, .. } = *self;
         let height = settings.scallop_height.mm();
-        let mut judged = plan.judged.clone();
+        let mut missed = missed(stations, &plan.judged, &plan.family, height);
         let mut further = Vec::new();
         for beside in FURTHER_RUNS {
-            let missed = missed(stations, &judged, &plan.family, height);
             if missed.iter().map(|missed| missed.share).sum::<f64>() <= least {
                 break;
             }
             let runs = Missed::of(workpiece, prepared, &missed, beside, height, CHORD_SHARE * height, stop).runs();
             if !runs.is_empty() {
-                // Links of the new path are left out here: the whole of it is judged in the end.
+                // Other stations, and links of the new path, are left out here: the whole of it is judged in the end.
+                let at: Vec<Station> = missed.iter().map(|missed| *missed.station).collect();
                 let moves: Vec<Move> = runs.iter().flat_map(Run::moves).collect();
-                let alone = self.judged(stations, &plan.family, &moves)?;
-                judged = judged.iter().zip(&alone).map(|(a, b)| a.together(b)).collect();
+                let alone = self.judged(&at, &plan.family, &moves)?;
+                missed = missed.into_iter().zip(&alone).filter_map(|(missed, alone)| missed.after(alone, &plan.family, height)).collect();
                 further.extend(runs);
             }
         }
