@@ -58,7 +58,7 @@ fn accepted(value: f64) -> Length {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(500))]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
     fn every_valid_pass_has_an_answer_or_a_reason(

@@ -5,16 +5,16 @@ use crate::planning::{job, with};
 use serde_json::{Value, json};
 
 /// Waves that are convex, concave and twisted, with a level saddle and level tops, on a grid of 2 mm.
-fn waves() -> Value {
-    let points: Vec<[f64; 3]> = (0..19_u8)
+fn waves(rows: u8, columns: u8) -> Value {
+    let points: Vec<[f64; 3]> = (0..rows)
         .flat_map(|row| {
-            (0..25_u8).map(move |column| {
+            (0..columns).map(move |column| {
                 let (x, y) = (2.0 * f64::from(column), 2.0 * f64::from(row));
                 [x, y, 0.15 * x + 6.0 * (x / 18.0).sin() * (y / 22.0).cos() + 0.004 * y * y]
             })
         })
         .collect();
-    json!({"surface": {"grid": {"rows": 19, "columns": 25, "points": points}}, "directions_deg": [27], "include": ["passes"]})
+    json!({"surface": {"grid": {"rows": rows, "columns": columns, "points": points}}, "directions_deg": [27], "include": ["passes"]})
 }
 
 /// The positions of the points with a contact.
@@ -59,7 +59,7 @@ async fn every_point_of_the_passes_has_the_height_of_the_batch() {
     for cutter in cutters {
         for drive in [json!({}), json!({"teeth": 2, "spindle_speed_rpm": 12_000})] {
             let driven = with(cutter.clone(), drive.clone());
-            let request = with(with(job(), waves()), json!({"method": "surface", "cutters": [driven], "max_uncut_share": 1}));
+            let request = with(with(job(), waves(13, 19)), json!({"method": "surface", "cutters": [driven], "max_uncut_share": 1}));
             let answer = app.recommend(&request).await.ok();
             let passes = &answer["passes"];
             let contacts = contacts(passes, figure(&answer, "/recommended/direction_deg"));
@@ -86,7 +86,7 @@ async fn every_point_of_the_passes_has_the_height_of_the_batch() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_tips_of_a_run_lie_in_one_plane_of_the_direction() {
     let app = TestApp::start().await;
-    let request = with(with(job(), waves()), json!({"method": "surface"}));
+    let request = with(with(job(), waves(19, 25)), json!({"method": "surface"}));
     let answer = app.recommend(&request).await.ok();
     let (sin, cos) = figure(&answer, "/recommended/direction_deg").to_radians().sin_cos();
     let passes = &answer["passes"];

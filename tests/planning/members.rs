@@ -92,7 +92,7 @@ fn set(request: &mut Value, pointer: &str, value: &Value) {
 async fn every_member_has_an_effect_or_is_named() {
     let app = TestApp::start().await;
     for method in ["surface", "rectangle"] {
-        let base = request(method);
+        let base = with(request(method), json!({"scallop_tolerance_mm": 0.04}));
         let usual = answer(&app, &base).await;
         assert_eq!(usual["method"], method, "{usual}");
         for (pointer, value) in stated() {
