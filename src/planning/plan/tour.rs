@@ -344,7 +344,8 @@ mod tests {
         assert_eq!(needed(&gap(0.001)), [0.0, 1.0, 1.001, 2.0, 3.0]);
         // A target between two gaps stays one, and a run keeps its ends.
         assert_eq!(needed(&[(0.0, 0.0, false), (1.0, 0.0, false), (1.001, 0.0, true), (2.0, 0.0, false)]), [0.0, 1.0, 1.001, 2.0]);
-        assert_eq!(needed(&[(0.0, 0.0, true), (0.001, 0.0, true), (1.0, 0.0, true), (1.001, 0.0, true)]), [0.0, 1.001]);
+        assert_eq!(needed(&[(0.0, 0.0, true), (0.001, 0.0, true), (1.0, 0.0, true)]), [0.0, 1.0]);
+        assert_eq!(needed(&[(0.0, 0.0, true), (1.0, 0.0, true), (1.001, 0.0, true)]), [0.0, 1.001]);
         // Of many tips close together, no two neighbours are left out.
         let close: Vec<(f64, f64, bool)> = (0..7).map(|at| (0.001 * f64::from(at), 0.0, true)).collect();
         assert_eq!(needed(&close), [0.0, 0.002, 0.004, 0.006]);
