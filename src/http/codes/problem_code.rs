@@ -124,7 +124,7 @@ codes! {
     /// A fault in a request's JSON, form or query.
     RequestFault: none {
         MissingField = "missing-field": "A required field is missing", "Add the field, which the detail describes.";
-        UnknownField = "unknown-field": "A field is unknown", "Remove the field or correct its name; the detail lists the known names.";
+        UnknownField = "unknown-field": "A field is unknown", "Remove the field or correct its name; the detail has the name that was probably meant, or the known ones.";
         RepeatedField = "repeated-field": "A field is given more than once", "Give it once.";
         ConflictingFields = "conflicting-fields": "Mutually exclusive fields are given", "Give one of the forms that the detail names.";
         WrongType = "wrong-type": "A value has the wrong JSON type", "Send the type that the detail names; numbers are not quoted.";
