@@ -196,9 +196,10 @@ impl Faults {
     }
 }
 
-/// The name that was probably meant by an unknown one: the nearest by its letters, or the one that shares its words.
+/// The name that was probably meant by an unknown one: the one with nearly the same letters, or else the one that contains it or is
+/// contained in it.
 pub(crate) fn meant<'n>(unknown: &str, known: impl Iterator<Item = &'n str> + Clone) -> Option<&'n str> {
-    nearest(unknown, known.clone()).or_else(|| with_its_words(unknown, known))
+    nearest(unknown, known.clone()).or_else(|| containing_or_contained(unknown, known))
 }
 
 /// The name that fewest changes of a letter, two at most, turn an unknown one into. Two neighbouring letters in the wrong order are
@@ -212,9 +213,9 @@ fn nearest<'n>(unknown: &str, known: impl Iterator<Item = &'n str>) -> Option<&'
     changes.filter(|(changes, _)| *changes <= most).min_by_key(|(changes, _)| *changes).map(|(_, name)| name)
 }
 
-/// The one name that has words more or fewer than an unknown one: `max_feed_per_tooth_mm` for `feed_per_tooth`, and `diameter_mm` for
-/// `ball_diameter_mm`. Of several, the one with fewest letters more or fewer.
-fn with_its_words<'n>(unknown: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+/// The name that contains an unknown one, or is contained in it, without units and separators: `max_feed_per_tooth_mm` for
+/// `feed_per_tooth`, and `diameter_mm` for `ball_diameter_mm`. Of several, the one that differs by fewest letters; `None` if two do.
+fn containing_or_contained<'n>(unknown: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     const LEAST: usize = 3;
     let unknown = bare(unknown);
     let further = known.filter_map(|name| {

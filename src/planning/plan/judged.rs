@@ -90,13 +90,13 @@ pub(super) struct MissedStation<'a> {
     pub(super) share: f64,
 }
 
-/// Whether what is left at a station that the cutter can reach is no ridge between lines.
+/// Whether more is left at a station that the cutter can reach than a ridge between lines.
 fn is_missed(judged: Judged, family: &Family, height: f64) -> bool {
     judged.ridge(height) > missed_from(family) * height
 }
 
 impl MissedStation<'_> {
-    /// The station, if it is still missed after a path that leaves this there.
+    /// The station, if it is still missed after a further path, which leaves `path` there.
     pub(super) fn after(self, path: &Judged, family: &Family, height: f64) -> Option<Self> {
         let judged = self.judged.together(path);
         is_missed(judged, family, height).then_some(Self { judged, ..self })

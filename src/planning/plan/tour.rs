@@ -46,7 +46,7 @@ impl Leg {
     }
 }
 
-/// The distance in mm up to which two tips are twins.
+/// Two tips of a run up to this many mm apart are twins.
 const TWINS: f64 = 2e-3;
 
 /// The tips of a run without those that lie beside a twin and on the path of the others: where targets begin and end, and where stretches
@@ -59,8 +59,8 @@ fn without_twins(tips: Vec<&RunTip>) -> Vec<&RunTip> {
     tips.into_iter().zip(is_needed).filter_map(|(tip, is_needed)| is_needed.then_some(tip)).collect()
 }
 
-/// Whether the path between two tips is the same without the one between them, which is beside one of them, and no more of it has the
-/// feed rate of a target.
+/// Whether a tip has a twin before or after it, the path is the same without it, and the moves at the feed rate of a target become no
+/// longer than by the distance of twins.
 fn is_needless([before, tip, after]: [&RunTip; 3]) -> bool {
     let [to_before, to_after] = [before, after].map(|other| travel::distance(tip.tip, other.tip));
     let straight = mixed(before.tip, after.tip, to_before / (to_before + to_after).max(f64::MIN_POSITIVE));
