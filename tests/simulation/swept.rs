@@ -176,14 +176,22 @@ impl Swept {
         for row in rows {
             let from = row * self.cells[0];
             for piece in columns.clone().flat_map(|column| &self.pieces[self.starts[from + column]..self.starts[from + column + 1]]) {
-                // The cutter is over its tip.
-                if piece[0][2].min(piece[1][2]) - point[2] < least {
+                // The cutter is over its tip and within its outer radius.
+                if piece[0][2].min(piece[1][2]) - point[2] < least && is_within(point, piece, self.cutter.outer + least) {
                     least = least.min(self.cutter.swept_distance(point, *piece, least));
                 }
             }
         }
         least
     }
+}
+
+/// Whether a point seen from above may be this close to a piece: it is, or the piece's middle is by half of its length.
+fn is_within(point: [f64; 3], piece: &[[f64; 3]; 2], reach: f64) -> bool {
+    let square = |[x, y]: [f64; 2]| x * x + y * y;
+    let [x, y] = middle(piece);
+    let reach = reach + 0.5 * square([piece[1][0] - piece[0][0], piece[1][1] - piece[0][1]]).sqrt();
+    square([point[0] - x, point[1] - y]) < reach * reach
 }
 
 fn middle([a, b]: &[[f64; 3]; 2]) -> [f64; 2] {

@@ -67,19 +67,15 @@ impl Points {
         Self { low, columns, starts, places: points }
     }
 
-    /// How far the cutter with this tip stays clear of all points, negative where it stands into one.
-    fn clearance(&self, cutter: &Solid, tip: [f64; 3]) -> f64 {
-        let mut least = f64::INFINITY;
-        let reach = cutter.outer + 0.5;
-        let columns = cell((tip[0] - reach - self.low[0]).max(0.0))..(cell((tip[0] + reach - self.low[0]).max(0.0)) + 1).min(self.columns);
-        for row in cell((tip[1] - reach - self.low[1]).max(0.0))..=cell((tip[1] + reach - self.low[1]).max(0.0)) {
-            for at in columns.clone().map(|column| row * self.columns + column).filter(|at| at + 1 < self.starts.len()) {
-                for point in &self.places[self.starts[at]..self.starts[at + 1]] {
-                    least = least.min(cutter.distance(minus(*point, tip)));
-                }
-            }
-        }
-        least
+    /// Whether the cutter with this tip stands less than `STANDS_INTO` into any of the points.
+    fn are_clear_of(&self, cutter: &Solid, tip: [f64; 3]) -> bool {
+        let range = |centre: f64, low: f64| cell((centre - cutter.outer - low).max(0.0))..cell((centre + cutter.outer - low).max(0.0)) + 1;
+        let columns = range(tip[0], self.low[0]);
+        let columns = columns.start.min(self.columns)..columns.end.min(self.columns);
+        let of_row = |row: usize| columns.clone().map(move |column| row * self.columns + column);
+        let mut cells = range(tip[1], self.low[1]).flat_map(of_row).filter(|at| at + 1 < self.starts.len());
+        let is_clear = |point: &[f64; 3]| cutter.distance(minus(*point, tip)) >= -STANDS_INTO;
+        cells.all(|at| self.places[self.starts[at]..self.starts[at + 1]].iter().all(is_clear))
     }
 }
 
@@ -94,7 +90,7 @@ fn can_reach(points: &Points, cutter: &Solid, place: [f64; 3], normal: [f64; 3])
     let [offset, height] = cutter.point(horizontal.atan2(normal[2]));
     if horizontal > 1e-9 {
         let aside = [0, 1].map(|axis| place[axis] + offset * normal[axis] / horizontal);
-        if points.clearance(cutter, [aside[0], aside[1], place[2] - height]) >= -STANDS_INTO {
+        if points.are_clear_of(cutter, [aside[0], aside[1], place[2] - height]) {
             return true;
         }
     }
@@ -105,7 +101,7 @@ fn can_reach(points: &Points, cutter: &Solid, place: [f64; 3], normal: [f64; 3])
     horizontal * flat < 0.02
         && around
             .map(|(share, turn)| tip([share * flat * turn.cos(), share * flat * turn.sin()]))
-            .any(|tip| points.clearance(cutter, tip) >= -STANDS_INTO)
+            .any(|tip| points.are_clear_of(cutter, tip))
 }
 
 /// What a path leaves, and what its plan states.
@@ -232,9 +228,10 @@ pub(super) fn milled(facets: &[Facet], paths: &[Path], stated: &FinishFigures) -
     #[expect(clippy::cast_precision_loss, reason = "thousands")]
     let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
     let (over, reachable) = (share(over.len(), places.len()), share(reached, looked_at.len()));
+    // A point counts where it is cut deeper than those before it.
     let deepest = |swept: &[Swept]| {
-        let depths = points.places.iter().flat_map(|point| swept.iter().map(|swept| -swept.distance(*point, 0.0)));
-        1e3 * depths.fold(0.0, f64::max)
+        let deeper = |least: f64, point: &[f64; 3]| swept.iter().fold(least, |least, swept| swept.distance(*point, least));
+        -1e3 * points.places.iter().fold(0.0, deeper)
     };
     let gouge = [deepest(&cuts), deepest(&others)];
     left.sort_by(f64::total_cmp);
