@@ -128,7 +128,7 @@ async fn a_filter_chooses_from_libraries_by_diameter_type_and_number() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn more_than_two_hundred_cutters_of_libraries_are_refused_with_the_filter_as_the_way_out() {
     let app = TestApp::start().await;
-    let rows = (0..201).map(|number| format!("B{number},ball_end,{},,\n", 4 + number % 2)).collect::<Vec<_>>().concat();
+    let rows = (0..201).map(|number| format!("B{number},ball_end,{},,\n", 4 + number % 40)).collect::<Vec<_>>().concat();
     let answer = upload(&app, &[&table(&rows)], Value::Null).await;
     assert_eq!(answer.faults(), (422, vec![("/cutters", "too-many-items")]));
     let detail = answer.body["errors"][0]["detail"].as_str().unwrap();

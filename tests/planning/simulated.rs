@@ -306,6 +306,7 @@ async fn cutters_of_libraries_join_and_other_tools_are_counted() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_unit_that_a_file_states_is_believed() {
     let app = TestApp::start().await;
+    let asked = with(job(), json!({"method": "rectangle"}));
     let lines: Vec<String> = nodes().iter().map(|[x, y, z]| format!("{x},{y},{z}")).collect();
     let text = format!("x_cm,y_cm,z_cm\n{}\n", lines.join("\n"));
     let vertices: Vec<String> = nodes().iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
@@ -313,14 +314,14 @@ async fn the_unit_that_a_file_states_is_believed() {
     let object = format!("# units: cm\n{}{}", vertices.concat(), faces.concat());
     for file in [text, object] {
         let width = async |parameters: Value| figure(&app.upload(file.clone(), &parameters).await.ok(), "/surface/bounds_mm/max/0");
-        let in_mm = width(with(simulated(), json!({"unit": "mm"}))).await;
-        assert_relative_eq!(width(simulated()).await, 10.0 * in_mm, max_relative = 1e-6);
-        assert_relative_eq!(width(with(simulated(), json!({"unit": "cm"}))).await, 10.0 * in_mm, max_relative = 1e-6);
+        let in_mm = width(with(asked.clone(), json!({"unit": "mm"}))).await;
+        assert_relative_eq!(width(asked.clone()).await, 10.0 * in_mm, max_relative = 1e-6);
+        assert_relative_eq!(width(with(asked.clone(), json!({"unit": "cm"}))).await, 10.0 * in_mm, max_relative = 1e-6);
     }
     let package = three_mf("centimeter", &nodes(), &triangles());
-    let stated = app.upload(package.clone(), &simulated()).await.ok();
+    let stated = app.upload(package.clone(), &asked).await.ok();
     assert_relative_eq!(figure(&stated, "/surface/bounds_mm/max/0"), 240.0, max_relative = 1e-6);
-    let contradicted = app.upload(package, &with(simulated(), json!({"unit": "inch"}))).await;
+    let contradicted = app.upload(package, &with(asked.clone(), json!({"unit": "inch"}))).await;
     assert_eq!(contradicted.faults(), (422, vec![("/unit", "conflicting-fields")]));
 }
 
