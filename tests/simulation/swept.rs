@@ -186,7 +186,8 @@ impl Swept {
     }
 }
 
-/// Whether a point seen from above may be this close to a piece: it is, or the piece's middle is by half of its length.
+/// Whether a point, seen from above, may be closer to a piece than `reach`: to its middle it is closer than that and half the
+/// piece's length.
 fn is_within(point: [f64; 3], piece: &[[f64; 3]; 2], reach: f64) -> bool {
     let square = |[x, y]: [f64; 2]| x * x + y * y;
     let [x, y] = middle(piece);

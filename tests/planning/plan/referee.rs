@@ -67,7 +67,7 @@ impl Points {
         Self { low, columns, starts, places: points }
     }
 
-    /// Whether the cutter with this tip stands less than `STANDS_INTO` into any of the points.
+    /// Whether the cutter with this tip stands into none of the points by more than `STANDS_INTO`.
     fn are_clear_of(&self, cutter: &Solid, tip: [f64; 3]) -> bool {
         let range = |centre: f64, low: f64| cell((centre - cutter.outer - low).max(0.0))..cell((centre + cutter.outer - low).max(0.0)) + 1;
         let columns = range(tip[0], self.low[0]);
