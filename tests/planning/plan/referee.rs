@@ -231,7 +231,7 @@ pub(super) fn milled(facets: &[Facet], paths: &[Path], stated: &FinishFigures) -
     // A point counts where it is cut deeper than those before it.
     let deepest = |swept: &[Swept]| {
         let deeper = |least: f64, point: &[f64; 3]| swept.iter().fold(least, |least, swept| swept.distance(*point, least));
-        -1e3 * points.places.iter().fold(0.0, deeper)
+        1e3 * points.places.iter().fold(0.0, deeper).abs()
     };
     let gouge = [deepest(&cuts), deepest(&others)];
     left.sort_by(f64::total_cmp);
