@@ -42,7 +42,7 @@ where
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
         if !is_json(request.headers()) {
-            let detail = "send JSON with the header content-type: application/json";
+            let detail = "send JSON with the header content-type: application/json; forms with a file go to paths that end in /upload";
             return Err(Problem::new(ServiceProblem::UnsupportedMediaType, detail));
         }
         let stated = request.headers().get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse().ok());

@@ -214,7 +214,8 @@ fn boundary(headers: &HeaderMap) -> Result<String, Problem> {
     let media_type = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
     let essence = media_type.split(';').next().unwrap_or_default().trim();
     if !essence.eq_ignore_ascii_case("multipart/form-data") {
-        let detail = "send a form with the header content-type: multipart/form-data; boundary=...";
+        let detail =
+            "send a form with the header content-type: multipart/form-data; boundary=...; JSON goes to the same path without /upload";
         return Err(Problem::new(ServiceProblem::UnsupportedMediaType, detail));
     }
     let boundary = parameter(media_type, "boundary").filter(|boundary| (1..=LONGEST_BOUNDARY).contains(&boundary.len()));

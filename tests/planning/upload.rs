@@ -91,6 +91,11 @@ async fn malformed_forms_are_refused() {
         assert_eq!(app.post_as(PATH, media_type, CSV).await.status, status, "{media_type}");
     }
     let whole = written(&[("surface", CSV.as_bytes()), ("parameters", job().to_string().as_bytes())]);
+    for path in ["/v1/cutter-recommendation", "/v1/path-check"] {
+        let to_json = app.post_as(path, "multipart/form-data; boundary=edge", whole.clone()).await;
+        assert_eq!(to_json.status, 415);
+        assert!(to_json.detail().contains("/upload"), "{}", to_json.body);
+    }
     for body in [
         &b""[..],
         b"x",
