@@ -5,7 +5,7 @@
 //! formulas are near what is used, not bounds to the byte; a request that would need more than a semaphore has takes
 //! all of it, so that every request can be answered when its turn comes.
 //!
-//! Recommendations use at most three quarters of the work, however many wait: batches find the rest.
+//! Recommendations and checks of paths use at most three quarters of the work, however many wait: batches find the rest.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -27,8 +27,8 @@ const FREE_BATCH: u64 = 2 * MIB;
 /// at the same time are answered within it.
 pub(crate) const LONGEST_WAIT: Duration = Duration::from_secs(5);
 
-/// The longest time that an upload or a recommendation waits. After a refusal, a client would have to send its file
-/// again. Of dozens of recommendations at the same time, each of some 0.1 s, the last waits a few seconds.
+/// The longest time that an upload, a recommendation or the check of a path waits. After a refusal, a client would have to
+/// send its file again. Of dozens of recommendations at the same time, each of some 0.1 s, the last waits a few seconds.
 pub(crate) const LONGEST_WAIT_OF_PLAN: Duration = Duration::from_secs(20);
 
 /// A kind of job with the figures that determine its memory.
@@ -133,7 +133,7 @@ pub struct Budget(Arc<Pools>);
 struct Pools {
     inputs: Pool,
     work: Pool,
-    /// The part of `work` that recommendations may use together.
+    /// The part of `work` that recommendations and checks of paths may use together.
     plans: Pool,
     refusals: AtomicU64,
 }
@@ -174,8 +174,8 @@ impl Budget {
             Job::Upload { .. } => (&[inputs][..], job.bytes().min(u64::from(inputs.size) * MIB / 2)),
             Job::Batch { .. } if job.bytes() <= FREE_BATCH => (&[][..], 0),
             Job::Batch { .. } => (&[work][..], job.bytes()),
-            // First its turn among recommendations, so that it does not wait before batches in the queue for work. No
-            // recommendation takes more than their part.
+            // First its turn among plans, so that it does not wait before batches in the queue for work. None takes more than
+            // their part.
             Job::Plan { .. } | Job::PathCheck { .. } => (&[plans, work][..], job.bytes().min(u64::from(plans.size) * MIB)),
         };
         let mut held = Held { shares: Vec::with_capacity(pools.len()), budget: self.clone() };

@@ -19,7 +19,7 @@ use crate::cancellation::{CancelFlag, CancelOnDrop};
 /// The largest number of threads for each permit. More would hardly reduce the time.
 const MAX_THREADS_PER_REQUEST: usize = 8;
 
-/// The largest number of recommendations that are computed at once.
+/// The largest number of recommendations and checks of paths that are computed at once.
 const MAX_PLANS: usize = 4;
 
 /// The largest number of files that are read at once. A thread waits for the data of its file, so that there are more
@@ -35,7 +35,8 @@ struct Shared {
     /// The threads of free permits.
     free: Mutex<Vec<ThreadPool>>,
     permits: Arc<Semaphore>,
-    /// The permits that recommendations may use. Each uses all cores, so that few suffice; batches find the others.
+    /// The permits that recommendations and checks of paths may use. Each uses all cores, so that few suffice; batches find
+    /// the others.
     plans: Arc<Semaphore>,
     /// The threads for short pieces, one for each core.
     pieces: ThreadPool,
@@ -90,7 +91,7 @@ impl WorkerPool {
         Some(WorkPermit { held: Arc::new(held), cancel: CancelOnDrop::default() })
     }
 
-    /// The right of a recommendation to ask for a permit; `None` if none becomes free within `longest`.
+    /// The right of a recommendation or of the check of a path to ask for a permit; `None` if none becomes free within `longest`.
     pub async fn admit_plan(&self, longest: Duration) -> Option<OwnedSemaphorePermit> {
         acquire(&self.0.plans, longest).await
     }

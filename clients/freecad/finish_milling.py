@@ -227,17 +227,11 @@ def path_of(recommendation, spindle_speed_rpm=None, tool_number=None, plunge_rat
 
 
 def operation_starts(passes):
-    """The first point of each operation: the one after the retreat to the clearance height that ends the operation before."""
-    starts = [0]
-    runs = list(zip(passes["run_starts"], passes["operation"]))
-    for (_, before), (point, operation) in zip(runs, runs[1:]):
-        if operation != before:
-            while passes["move"][point] != "rapid":
-                point -= 1
-            while passes["move"][point - 1] == "rapid":
-                point -= 1
-            starts.append(point + 1)
-    return starts
+    """The first point of each operation, which is the start of its first run."""
+    firsts = {}
+    for start, operation in zip(passes["run_starts"], passes["operation"]):
+        firsts.setdefault(operation, start)
+    return sorted(firsts.values())
 
 
 def change_to(number, spindle_speed_rpm):

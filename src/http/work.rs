@@ -65,7 +65,7 @@ impl Work {
         job: Job,
         compute: impl FnOnce(&CancelFlag) -> Result<WrittenJson, Problem> + Send + 'static,
     ) -> Result<WrittenJson, Problem> {
-        let is_plan = matches!(job, Job::Plan { .. });
+        let is_plan = matches!(job, Job::Plan { .. } | Job::PathCheck { .. });
         let deadline = Instant::now() + if is_plan { LONGEST_WAIT_OF_PLAN } else { LONGEST_WAIT };
         let left = || deadline.saturating_duration_since(Instant::now());
         let plan = if is_plan { Some(self.workers.admit_plan(left()).await.ok_or_else(|| self.refuse())?) } else { None };

@@ -165,6 +165,42 @@ async fn the_passes_of_a_plan_leave_what_the_plan_states() {
     assert!(figure(&check, "/gouge/depth_mm") < 0.004 && figure(&check, "/gouge/rapid_depth_mm") < 1e-9);
 }
 
+/// A pocket with vertical walls, 5 mm deep, in a plate.
+fn pocket() -> Value {
+    let (xs, ys) = ([0.0, 4.0, 44.0, 48.0], [0.0, 4.0, 34.0, 38.0]);
+    let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    let mut quad = |corners: [[f64; 3]; 4]| {
+        let first = points.len();
+        points.extend(corners);
+        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    };
+    for (x, y) in (0..3).flat_map(|x| (0..3).map(move |y| (x, y))) {
+        let z = if (x, y) == (1, 1) { 0.0 } else { 5.0 };
+        let [left, right, front, back] = [xs[x], xs[x + 1], ys[y], ys[y + 1]];
+        quad([[left, front, z], [right, front, z], [right, back, z], [left, back, z]]);
+    }
+    let corners = [[xs[1], ys[1]], [xs[1], ys[2]], [xs[2], ys[2]], [xs[2], ys[1]]];
+    for side in 0..4 {
+        let ([a, b], [c, d]) = (corners[side], corners[(side + 1) % 4]);
+        quad([[a, b, 0.0], [c, d, 0.0], [c, d, 5.0], [a, b, 5.0]]);
+    }
+    json!({"surface": {"mesh": {"points": points, "triangles": triangles}}})
+}
+
+/// The small cutter comes down in a corner that the large one does not fit.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn each_operation_of_a_plan_has_its_cutter_from_the_clearance_height_on() {
+    let app = TestApp::start().await;
+    let cutters = [10, 4].map(|diameter| json!({"type": "flat_end", "diameter_mm": diameter}));
+    let machine = json!({"scallop_tolerance_mm": 0.01, "machine": {"preset": "five_axis_vmc", "tool_change_s": 1}});
+    let several = json!({"cutters": cutters, "operations": {"max": 2}, "max_uncut_share": 0.005, "include": ["passes"]});
+    let plan = app.recommend(&with(with(pocket(), machine.clone()), several)).await.ok();
+    assert_eq!(plan["passes"]["operation"].as_array().unwrap().last(), Some(&json!(1)), "{:#}", plan["plan"]);
+    let check = json!({"path": {"passes": plan["passes"]}, "cutters": {"0": cutters[0], "1": cutters[1]}});
+    let answer = app.answer(PATH_CHECK, &with(with(pocket(), machine), check)).await;
+    assert!(figure(&answer, "/gouge/depth_mm") < 0.001 && figure(&answer, "/gouge/rapid_depth_mm") < 1e-9, "{:#}", answer["gouge"]);
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn faults_of_paths_have_their_places() {
     let app = TestApp::start().await;

@@ -61,7 +61,7 @@ def post(path, value, compressed=False, accept=None):
     return head(path, len(body), encoding="gzip" if compressed else None, accept=accept) + body
 
 
-def form(parts, compressed=True):
+def form(parts, compressed=True, path=UPLOAD):
     """An upload of parts given as (name, file name, bytes)."""
     body = b"".join(
         f'--{BOUNDARY}\r\ncontent-disposition: form-data; name="{name}"; filename="{file}"\r\n\r\n'.encode() + data + b"\r\n"
@@ -69,7 +69,7 @@ def form(parts, compressed=True):
     )
     body += f"--{BOUNDARY}--\r\n".encode()
     body = gzip.compress(body, 6) if compressed else body
-    return head(UPLOAD, len(body), f"multipart/form-data; boundary={BOUNDARY}", "gzip" if compressed else None) + body
+    return head(path, len(body), f"multipart/form-data; boundary={BOUNDARY}", "gzip" if compressed else None) + body
 
 
 def surface(name, data):
@@ -310,6 +310,16 @@ def fine_patches(address):
     return side_by_side(16, lambda _: exchange(address, message))
 
 
+def circles(address):
+    """Checks of paths in short programs, in files and in JSON, whose arcs become 770,000 chords each."""
+    program = "G21 G90\nG0 X75 Y50 Z20\nG1 Z10 F1000\n" + "G2 I-25 J0\n" * 690
+    job = {"cutter": CUTTER, "machine": JOB["machine"], "scallop_tolerance_mm": 0.01}
+    parts = [("parameters", "p.json", json.dumps(job).encode()), ("surface", "part.stl", binary_stl(40)), ("path", "path.nc", program.encode())]
+    file = form(parts, compressed=False, path="/v1/path-check/upload")
+    text = post("/v1/path-check", {**job, "surface": SLOPE, "path": {"program": program}})
+    return side_by_side(16, lambda index: exchange(address, (file, text)[index % 2]))
+
+
 def large_json_mesh(address):
     """Sixty MB of points and triangles in the shortest notation."""
     body = json.dumps({**JOB, "directions_deg": [0]})[:-1].encode() + b',"surface":{"mesh":{"points":[[0,0,0],[9,0,0],[0,9,0]'
@@ -500,6 +510,7 @@ ATTACKS = {
     "16 x 200 cutters of 50,000 planes": (many_planes, {200, 408, 422, 503}),
     "4 combs of 2000 strips": (comb, {200, 408, 422, 503}),
     "16 patches of a million samples": (fine_patches, {200, 408, 503}),
+    "16 paths of 690 circles": (circles, {200, 503}),
     "4 JSON meshes of 60 MB": (large_json_mesh, {200, 408, 413, 422, 503}),
     "4 x 64 MiB of NaN": (not_finite, {400, 408, 413, 503}),
     "8 x 64 MB of points, client leaves": (large_bodies_left, {"left"}),
@@ -508,7 +519,7 @@ ATTACKS = {
 
 
 # Work that must be answered; the others have 5 s.
-USUAL_TIMEOUT = {full_budget, ordinary_batches, compressed_answers, mixed_jobs, sixteen_uploads, sixty_four_uploads, separate_facets, package}
+USUAL_TIMEOUT = {full_budget, ordinary_batches, compressed_answers, mixed_jobs, sixteen_uploads, sixty_four_uploads, separate_facets, circles, package}
 
 
 class Server:

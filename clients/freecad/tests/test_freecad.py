@@ -75,7 +75,7 @@ def answer(request):
                 lift = [] if number == 1 else [[tip.x, tip.y, 35.0], [tip.x, tip.y, tip.z + 1]]
                 before = [[*tips[-1][:2], 35.0]] if number == 2 else []
                 tips, moves = tips + before + lift, moves + ["rapid"] * len(before + lift)
-                starts.append(len(tips))
+                starts.append(len(tips) if starts else 0)
             tips.append([tip.x, tip.y, tip.z])
             moves.append("link" if is_first else "cut")
     tips.append([*tips[-1][:2], 35.0])

@@ -1,7 +1,7 @@
 //! `POST /v1/path-check` and `/v1/path-check/upload`: what a path leaves on a surface, whoever made it.
 
 use super::checked_path::{PathCheckAnswer, PathCheckMembers, PathToCheck};
-use super::path_object::{MOST_POINTS, PATH, read_path_file};
+use super::path_object::{MOST_POINTS, PATH, StatedPath, read_path_file};
 use super::upload::{read_file, read_small};
 use crate::budget::{Job, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
@@ -10,17 +10,19 @@ use crate::http::codes::{FileFaultCode, RequestFault};
 use crate::http::document::described;
 use crate::http::json_body::{JsonBody, WrittenJson, read_text};
 use crate::http::multipart::MultipartForm;
+use crate::http::overload::Overload;
 use crate::http::problem::Problem;
 use crate::http::problem_schemas::{Problems, UploadProblems};
-use crate::http::reading::{Components, Faults, JsonPath, ObjectSchema};
+use crate::http::reading::{Components, Faulted, Faults, JsonPath, ObjectSchema};
 use crate::http::wire::SURFACE;
 use crate::http::work::Work;
+use crate::path::program::ProgramPoint;
 use axum::extract::State;
 use utoipa::openapi::schema::{KnownFormat, ObjectBuilder, SchemaFormat, Type};
 use utoipa::openapi::{RefOr, Schema};
 
-/// The length in bytes of the shortest block of a program that states a point.
-const SHORTEST_BLOCK: usize = 3;
+/// The bytes of JSON for each point and for each facet, between the shortest notation and numbers with digits.
+const BYTES_OF_JSON: usize = 20;
 
 /// The largest program in a form.
 pub(in crate::http) const LARGEST_PROGRAM: usize = 32 << 20;
@@ -49,8 +51,8 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
 )]
 pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
     let bytes = body.json().len();
-    let job =
-        Job::PathCheck { json: bytes, facets: bytes / 20, points: (bytes / SHORTEST_BLOCK).min(MOST_POINTS), threads: work.threads() };
+    let likely = bytes / BYTES_OF_JSON;
+    let job = Job::PathCheck { json: bytes, facets: likely, points: likely.min(MOST_POINTS), threads: work.threads() };
     work.answer(job, move |cancelled| {
         let check = body.read_until(cancelled, |object, faults| {
             let surface = object.required(&SURFACE, faults);
@@ -91,14 +93,19 @@ pub(crate) async fn answer_upload(
     mut form: MultipartForm,
 ) -> Result<WrittenJson, Problem> {
     let input = Job::Upload { bytes: form.stated_length().unwrap_or(u64::MAX) };
-    let held = work.budget().take(input, LONGEST_WAIT_OF_PLAN).await?;
-    let (mut surface, mut program, mut parameters) = (None, None, None);
+    let mut held = work.budget().take(input, LONGEST_WAIT_OF_PLAN).await?;
+    let (mut surface, mut path, mut parameters) = (None, None, None);
     let mut faults = Faults::default();
     while let Some(head) = form.next().await? {
         match head.name.as_deref() {
             Some(name) if name == SURFACE.name && surface.is_none() => surface = Some(read_file(&mut form, &head, &work, &metrics).await?),
-            Some(name) if name == PATH.name && program.is_none() => {
-                program = Some(read_small(&mut form, PATH.name, LARGEST_PROGRAM).await?);
+            Some(name) if name == PATH.name && path.is_none() => {
+                let text = read_small(&mut form, PATH.name, LARGEST_PROGRAM).await?;
+                let (read, found) = read_path(text, &work).await?;
+                // Arcs become chords: a short program may have many points.
+                held.grow_input(points(&read) as u64 * size_of::<ProgramPoint>() as u64)?;
+                faults.take_in(found, |pointer| Some(pointer.to_owned()));
+                path = Some(read);
             }
             Some(PARAMETERS) if parameters.is_none() => {
                 parameters = Some(read_small(&mut form, PARAMETERS, LARGEST_PARAMETERS).await?);
@@ -112,7 +119,7 @@ pub(crate) async fn answer_upload(
         }
     }
     let facets = surface.as_ref().and_then(|surface| surface.as_ref().ok()).map_or(0, |sourced| sourced.surface.mesh.size().facets);
-    let points = (program.as_ref().map_or(0, Vec::len) / SHORTEST_BLOCK).min(MOST_POINTS);
+    let points = path.as_ref().map_or(0, points);
     let job = Job::PathCheck { json: 0, facets, points, threads: work.threads() };
     work.answer(job, move |cancelled| {
         let missing =
@@ -122,10 +129,7 @@ pub(crate) async fn answer_upload(
             Some(Err(fault)) => Err(faults.add(&JsonPath::Root.member(SURFACE.name), FileFaultCode::from(fault.kind()), fault)),
             None => Err(missing(SURFACE.name, &mut faults)),
         };
-        let path = program.ok_or(()).map_err(|()| missing(PATH.name, &mut faults)).and_then(|bytes| {
-            let text = String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
-            read_path_file(text, &JsonPath::Root.member(PATH.name), &mut faults)
-        });
+        let path = path.unwrap_or_else(|| Err(missing(PATH.name, &mut faults)));
         let Some(parameters) = parameters else {
             missing(PARAMETERS, &mut faults);
             return Err(Problem::faulty_request(faults));
@@ -138,6 +142,21 @@ pub(crate) async fn answer_upload(
         written(check, cancelled)
     })
     .await
+}
+
+/// The path in a part of a form, and its faults.
+async fn read_path(text: Vec<u8>, work: &Work) -> Result<(Result<StatedPath, Faulted>, Faults), Overload> {
+    work.run_reader(move || {
+        let mut faults = Faults::default();
+        let text = String::from_utf8(text).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
+        (read_path_file(text, &JsonPath::Root.member(PATH.name), &mut faults), faults)
+    })
+    .await
+}
+
+/// The number of points of a path; 0 if it could not be read.
+fn points(path: &Result<StatedPath, Faulted>) -> usize {
+    path.as_ref().map_or(0, |path| path.program.points.len())
 }
 
 /// Mills a path, and writes the answer.

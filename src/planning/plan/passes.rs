@@ -14,6 +14,7 @@ use crate::path::MoveKind;
 use crate::quantity::{Length, Speed};
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::iter::once;
 use std::num::NonZeroU32;
 
 /// A point of the path.
@@ -51,11 +52,12 @@ pub struct CutPoint {
 pub struct Passes {
     /// The points.
     pub points: Vec<PassPoint>,
-    /// The points at which runs begin.
+    /// The points at which runs begin; the first run of an operation begins where the operation does. All points from there to the
+    /// next run's start have the cutter of the run's operation.
     pub run_starts: Vec<usize>,
     /// The operation of each run.
     pub operations: Vec<usize>,
-    /// The points at which operations begin.
+    /// The points at which operations begin, at the clearance height.
     pub operation_starts: Vec<usize>,
 }
 
@@ -80,7 +82,8 @@ fn of_paths(workpiece: &Workpiece, paths: &[&PlannedPath], settings: &PlanSettin
         all.operation_starts.push(first);
         let points = plan.tour.points.par_iter().with_min_len(64);
         all.points.par_extend(points.map(|point| pass_point(workpiece, plan, prepared, settings, point, stop)));
-        all.run_starts.extend(plan.tour.run_starts.iter().map(|start| first + start));
+        let later_runs = plan.tour.run_starts.iter().skip(1).map(|start| first + start);
+        all.run_starts.extend(once(first).chain(later_runs));
         all.operations.resize(all.run_starts.len(), operation);
     }
     all

@@ -8,6 +8,7 @@ use scallopd::motion::{Machine, MachineLimits, travel_time};
 use scallopd::path::MoveKind;
 use scallopd::planning::plan::{CandidateCutter, CandidatePlan, PassPoint, Passes, PlanSettings, Workpiece, passes};
 use scallopd::quantity::{Length, Speed};
+use std::iter;
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
@@ -35,11 +36,13 @@ fn timed(path: &Passes, machine: &Machine) -> f64 {
         (x.hypot(y) > 1e-9).then(|| [x / x.hypot(y), y / x.hypot(y)])
     };
     let ends = path.run_starts[1..].iter().copied().chain([path.points.len()]);
+    // What leads to the first run's first cut.
+    let approach = path.points.iter().position(|point| point.kind == MoveKind::Cut).unwrap() - 1;
     let mut seconds = 0.0;
-    for pair in path.points[..=path.run_starts[0]].windows(2) {
+    for pair in path.points[..=approach].windows(2) {
         seconds += time(distance(pair[0].tip, pair[1].tip), pair[1].feed_rate);
     }
-    for (start, end) in path.run_starts.iter().copied().zip(ends) {
+    for (start, end) in iter::once(approach).chain(path.run_starts[1..].iter().copied()).zip(ends) {
         let (mut run, mut at_rate, mut link, mut is_lifted) = (0.0, 0.0, 0.0, false);
         let mut ahead: Option<[f64; 2]> = None;
         // The last move of a link ends at the next run's first point.
