@@ -7,9 +7,9 @@ use super::family::{Family, Heading};
 use super::milled_plan::MilledPlan;
 use super::settings::{CandidateCutter, Directions, PlanSettings};
 use super::spacing::{Prepared, rows_of};
-use super::stations::{DrawnPlace, ESTIMATED_ON, Station, drawn, stations};
+use super::stations::{DrawnPlace, ESTIMATED_ON, Station, cut_by_fitting, drawn, stands_at, stations};
 use super::workpiece::Workpiece;
-use crate::milling::Model;
+use crate::milling::{Model, Profile};
 use crate::planning::{RectanglePlan, plan_on_rectangle};
 use crate::quantity::{Angle, Length, Time};
 use rayon::prelude::*;
@@ -83,7 +83,7 @@ impl EstimatedCandidate {
         let height = settings.scallop_height.mm();
         let prepared = Prepared::new(index, candidate, settings, rows, stop);
         let on = stations(workpiece, &prepared.profile, places, height, stop);
-        let uncut = Uncut::at(workpiece, &on, height);
+        let uncut = Uncut::at(workpiece, &prepared.profile, &on, height);
         // The limit is a share of the whole area also where the places are those of a rest.
         let part = places.iter().map(|place| place.area).sum::<f64>() / workpiece.area();
         if uncut.refused_share * part.min(1.0) > settings.max_uncut_share {
@@ -188,10 +188,11 @@ struct Uncut {
 }
 
 impl Uncut {
-    fn at(workpiece: &Workpiece, stations: &[Station], scallop_height: f64) -> Self {
+    fn at(workpiece: &Workpiece, profile: &Profile, stations: &[Station], scallop_height: f64) -> Self {
         let over: Vec<&Station> = stations.iter().filter(|station| station.lift > scallop_height).collect();
-        // In a hollow of coarse facets a cutter that fits the surface stands on their edges, by as much as they are off the surface.
-        let refused = over.iter().filter(|station| station.lift > scallop_height + workpiece.sagitta_of(station.place.target)).count();
+        // In a hollow of coarse facets a cutter that fits the surface stands on their edges.
+        let fits = |place: &DrawnPlace| stands_at(workpiece, profile, place, scallop_height + cut_by_fitting(workpiece, place));
+        let refused = over.par_iter().filter(|station| !fits(&station.place)).count();
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
         let [share, refused_share] = [over.len(), refused].map(|count| count as f64 / stations.len().max(1) as f64);
         let height = over.iter().map(|station| station.lift).filter(|lift| lift.is_finite()).fold(0.0, f64::max);

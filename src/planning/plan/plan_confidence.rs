@@ -8,12 +8,13 @@ use crate::planning::{Confidence, Level, Reason, SurfaceEvidence, SurfaceWeaknes
 
 impl Confidence<SurfaceWeakness> {
     /// The confidence in plans in their order, beside which so many arrangements of several operations were not planned; `None`
-    /// without any plan.
+    /// without any plan. `sagitta` is the mean distance in mm of the facets from the surface that they stand for.
     pub(super) fn in_plans(
         plans: &[CandidatePlan],
         not_planned: usize,
         candidates: &[CandidateCutter],
         surface: &SurfaceFigures,
+        sagitta: f64,
         settings: &PlanSettings,
         evidence: SurfaceEvidence,
     ) -> Option<Self> {
@@ -35,7 +36,7 @@ impl Confidence<SurfaceWeakness> {
                 reasons.push(Reason { weakness: SurfaceWeakness::SmallLead, level: Level::Moderate, figure: lead, threshold: 0.02 });
             }
         }
-        let sagittas = surface.sagitta.mm() / scallop_height.mm();
+        let sagittas = sagitta / scallop_height.mm();
         if let Some(milled) = best.milled {
             let size = surface.facet_size.mm() / milled.step_over.median.mm();
             let (coarse, far) = (SurfaceWeakness::CoarseTessellation, if sagittas > 1.0 { 8.0 } else { f64::INFINITY });

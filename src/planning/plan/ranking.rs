@@ -75,7 +75,9 @@ pub fn rank(
     let single = plans.first().filter(|_| job.rest_of.is_none());
     let OperationsSearch { best: operations, not_planned } =
         single.map(|single| operations(workpiece, candidates, settings, single, &samples, stop)).unwrap_or_default();
-    let confidence = Confidence::in_plans(&plans, not_planned, candidates, &surface, settings, evidence);
+    #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
+    let sagitta = few.iter().map(|place| workpiece.sagitta_of(place.target)).sum::<f64>() / few.len().max(1) as f64;
+    let confidence = Confidence::in_plans(&plans, not_planned, candidates, &surface, sagitta, settings, evidence);
     if stop() {
         return None;
     }

@@ -208,8 +208,19 @@ impl Region {
 /// The most places that are looked at to find enough that are left.
 const MOST_LOOKED_AT: usize = 200_000;
 
-/// The places at which `profile` stands more than `height` mm over the surface, and by more than coarse facets are off it. Once `stop` returns true, the result must be
-/// discarded.
+/// The depth in mm to which a cutter that fits the surface cuts beside a place: where it touches a facet at an edge, a cutter of the
+/// surface's radius cuts the next facet four times as deep as the facets are off the surface.
+pub(super) fn cut_by_fitting(workpiece: &Workpiece, place: &DrawnPlace) -> f64 {
+    4.0 * workpiece.sagitta_of(place.target)
+}
+
+/// Whether a cutter that stands over a place can touch it where it may cut others by `tolerance`.
+pub(super) fn stands_at(workpiece: &Workpiece, profile: &Profile, place: &DrawnPlace, tolerance: f64) -> bool {
+    Standing::at(&workpiece.drop, profile, &place.on(workpiece), tolerance).lift <= tolerance
+}
+
+/// The places over which `profile` stands by more than `height` mm, and not only because facets are a little off the surface. Once
+/// `stop` returns true, the result must be discarded.
 pub(super) fn left_by(
     workpiece: &Workpiece,
     profile: &Profile,
@@ -218,8 +229,8 @@ pub(super) fn left_by(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<DrawnPlace> {
     let on = stations(workpiece, profile, places, height, stop);
-    let is_left = |station: &&Station| station.lift > height + workpiece.sagitta_of(station.place.target);
-    on.iter().filter(is_left).map(|station| station.place).collect()
+    let fits = |place: &DrawnPlace| stands_at(workpiece, profile, place, height + cut_by_fitting(workpiece, place).min(height));
+    on.par_iter().filter(|station| station.lift > height && !fits(&station.place)).map(|station| station.place).collect()
 }
 
 /// About `count` places of the targets that `belongs` accepts, of those that `is_left` leaves, or as many as are found.

@@ -188,33 +188,33 @@ impl Workpiece {
         others.chunk_by(|a, b| a == b).any(|same| same.len() == 1)
     }
 
-    /// The distance in mm of a target from a surface with its curvature: k s^2/8, with s^2 twice its area.
+    /// The distance in mm of a target from the surface that it stands for, the smaller of two estimates. A surface that turns by t from a
+    /// facet to the next over the width w is w t/8 off a facet, and the turns at the three edges add up: far too much where plane faces
+    /// meet. A surface of the curvature k is k s^2/8 off a square with the side s, twice the target: far too much for a long strip.
     pub(super) fn sagitta_of(&self, target: usize) -> f64 {
         let [steepest, twist, level] = self.tangents[target].curvature;
-        (steepest * steepest + level * level + 2.0 * twist * twist).sqrt() * 2.0 * self.targets[target].area / 8.0
+        let of_square = (steepest * steepest + level * level + 2.0 * twist * twist).sqrt() * 2.0 * self.targets[target].area / 8.0;
+        let turns = self.turns_of(target).filter(|turn| turn.angle <= EDGE);
+        turns.map(|turn| turn.angle * turn.narrower / 8.0).sum::<f64>().min(of_square)
     }
 
     /// The figures of what is machined.
     #[must_use]
     pub fn figures(&self) -> SurfaceFigures {
-        let mut sums = [0.0; 3];
+        let mut sums = [0.0; 2];
         for (tangent, target) in self.tangents.iter().zip(&self.targets) {
-            let [steepest, twist, level] = tangent.curvature;
             sums[0] += target.area;
             sums[1] += target.area * tangent.slope;
-            sums[2] += target.area * (steepest * steepest + level * level + 2.0 * twist * twist).sqrt();
         }
-        let [area, slopes, curvature] = sums;
+        let [area, slopes] = sums;
         let seen = self.area + self.steep_area;
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
         let count = self.targets.len().max(1) as f64;
-        let of_area = |sum: f64| if area > 0.0 { sum / area } else { 0.0 };
         SurfaceFigures {
             area: Area::computed(seen),
-            mean_slope: Angle::from_radians(of_area(slopes)),
+            mean_slope: Angle::from_radians(if area > 0.0 { slopes / area } else { 0.0 }),
             steep_area_share: if seen > 0.0 { self.steep_area / seen } else { 0.0 },
             facet_size: Length::computed((2.0 * area / count).sqrt()),
-            sagitta: Length::computed(of_area(curvature) * 2.0 * area / count / 8.0),
         }
     }
 }
@@ -231,9 +231,6 @@ pub struct SurfaceFigures {
     /// The side of a square with twice the area of the mean facet: squares of this side, each split into two triangles,
     /// are as many facets.
     pub facet_size: Length,
-    /// The distance of facets of that size from the surface: k size^2 / 8, with k the mean of the curvature over the
-    /// area.
-    pub sagitta: Length,
 }
 
 /// Two facets that meet in a hollow at a larger angle than this, in rad, are an edge, not a tessellated fillet: 30 deg.
@@ -263,6 +260,13 @@ impl Workpiece {
 
     /// Radius and length of each edge of a target beyond which the part rises.
     fn hollows_of(&self, target: usize) -> impl Iterator<Item = (f64, f64)> {
+        let hollow = self.turns_of(target).filter(|turn| turn.is_hollow && turn.angle >= FLAT);
+        // A fillet of the radius r in strips of the width w turns by w/r from strip to strip.
+        hollow.map(|turn| (if turn.angle > EDGE { 0.0 } else { turn.width / turn.angle }, turn.length))
+    }
+
+    /// The turns of the surface at the edges of a target that one other facet shares.
+    fn turns_of(&self, target: usize) -> impl Iterator<Item = Turn> {
         let facet = self.facet_of(target);
         let corners = self.corners_of(facet);
         let normal_of = |[a, b, c]: [Vector3<f64>; 3]| (b - a).cross(&(c - a));
@@ -273,16 +277,29 @@ impl Workpiece {
             let beyond = self.corners_of(other);
             let apex = *beyond.iter().max_by(|a, b| off(**a, from, to).total_cmp(&off(**b, from, to)))?;
             let (upwards, beside) = (upright(own), upright(normal_of(beyond)));
-            let angle = upwards.cross(&beside).norm().atan2(upwards.dot(&beside));
-            if (apex - from).dot(&upwards) <= 0.0 || angle < FLAT {
-                return None;
-            }
-            let length = (to - from).norm();
-            // A fillet of the radius r in strips of the width w turns by w/r from strip to strip.
-            let width = f64::midpoint(off(corners[(first + 2) % 3], from, to), off(apex, from, to));
-            Some((if angle > EDGE { 0.0 } else { width / angle }, length))
+            let widths = [off(corners[(first + 2) % 3], from, to), off(apex, from, to)];
+            Some(Turn {
+                is_hollow: (apex - from).dot(&upwards) > 0.0,
+                angle: upwards.cross(&beside).norm().atan2(upwards.dot(&beside)),
+                width: f64::midpoint(widths[0], widths[1]),
+                narrower: widths[0].min(widths[1]),
+                length: (to - from).norm(),
+            })
         })
     }
+}
+
+/// An edge between two facets.
+struct Turn {
+    /// Whether the part rises beyond it.
+    is_hollow: bool,
+    /// The angle in rad between the normals.
+    angle: f64,
+    /// The mean of the facets' widths across the edge, and the width of the narrower one, in mm.
+    width: f64,
+    narrower: f64,
+    /// The length of the edge in mm.
+    length: f64,
 }
 
 /// The unit vector that points upwards.

@@ -1,11 +1,12 @@
 //! Plans of several operations and of a rest, milled by the independent simulator.
 
-use super::parts::{cone_on_floor, field, fillet_wall, steps};
+use super::parts::{cone_on_floor, field, fillet_wall, profile, steps};
 use super::referee::{Path, milled};
 use super::surfaces::{Facet, placed};
 use super::{mm, ranked_on, settings, workpiece};
 use scallopd::milling::{Cutter, Model};
 use scallopd::planning::plan::{CandidateCutter, FinishFigures, Lines, OperationsPlan, PlanSettings, Ranking, passes, passes_of_all};
+use scallopd::planning::{Level, Reason, SurfaceWeakness};
 use scallopd::quantity::Time;
 
 fn pocket() -> Vec<Facet> {
@@ -104,6 +105,24 @@ fn a_rest_is_what_the_cutter_before_cannot_reach() {
     let deeper = if of_alone.gouge.mm() > of_rest.gouge.mm() { of_alone.gouge } else { of_rest.gouge };
     let verdict = milled(&facets, &paths, &FinishFigures { gouge: deeper, ..of_whole });
     assert!(verdict.is_kept(), "{verdict}");
+}
+
+/// Long strips are as far off a cylinder as they are narrow allows, however long they are: a ball hardly larger than the groove leaves
+/// far more.
+#[test]
+fn a_groove_of_long_strips_is_a_rest_and_no_coarse_mesh() {
+    let (radius, half) = (2.8, 60.0_f64.to_radians());
+    let arc = (0..=24).map(|step| half * (f64::from(step) / 12.0 - 1.0));
+    let bottom = arc.map(|angle| [radius * (half.sin() + angle.sin()) + 4.0, radius * (half.cos() - angle.cos())]);
+    let points: Vec<[f64; 2]> = [[0.0, 0.0]].into_iter().chain(bottom).chain([[2.0 * radius * half.sin() + 8.0, 0.0]]).collect();
+    let part = workpiece(&profile(&points, 40.0));
+    let (before, small) = (Cutter::ball_end(mm(6.0)), Cutter::ball_end(mm(3.0)));
+    let alone = ranked_on(&part, &[CandidateCutter::new(before)], &several(1, 1.0));
+    let rest = ranked_on(&part, &[CandidateCutter::new(small)], &PlanSettings { rest_of: Some(before), ..several(1, 0.05) });
+    let [share, uncut] = [rest.rest_share.unwrap(), alone.plans[0].uncut_share];
+    assert!(uncut > 0.2 && (share - uncut).abs() < 0.1 * uncut, "{share} of the area beside {uncut}");
+    let is_coarse = |reason: &Reason<SurfaceWeakness>| reason.weakness == SurfaceWeakness::CoarseTessellation && reason.level == Level::Low;
+    assert!(!rest.confidence.unwrap().reasons().iter().any(is_coarse));
 }
 
 #[test]
