@@ -94,7 +94,7 @@ async fn malformed_forms_are_refused() {
     for path in ["/v1/cutter-recommendation", "/v1/path-check"] {
         let to_json = app.post_as(path, "multipart/form-data; boundary=edge", whole.clone()).await;
         assert_eq!(to_json.status, 415);
-        assert!(to_json.detail().contains("/upload"), "{}", to_json.body);
+        assert!(to_json.body["detail"].as_str().unwrap().contains("/upload"), "{}", to_json.body);
     }
     for body in [
         &b""[..],
