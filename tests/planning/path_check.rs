@@ -1,6 +1,8 @@
 //! `POST /v1/path-check` and its upload: what a path leaves on a surface.
 
 use crate::app::{TestApp, figure};
+use crate::planning::plan::parts::steps;
+use crate::planning::solids::mesh;
 use crate::planning::with;
 use crate::writers::binary_stl;
 use approx::assert_relative_eq;
@@ -167,24 +169,7 @@ async fn the_passes_of_a_plan_leave_what_the_plan_states() {
 
 /// A pocket with vertical walls, 5 mm deep, in a plate.
 fn pocket() -> Value {
-    let (xs, ys) = ([0.0, 4.0, 44.0, 48.0], [0.0, 4.0, 34.0, 38.0]);
-    let (mut points, mut triangles) = (Vec::new(), Vec::new());
-    let mut quad = |corners: [[f64; 3]; 4]| {
-        let first = points.len();
-        points.extend(corners);
-        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    };
-    for (x, y) in (0..3).flat_map(|x| (0..3).map(move |y| (x, y))) {
-        let z = if (x, y) == (1, 1) { 0.0 } else { 5.0 };
-        let [left, right, front, back] = [xs[x], xs[x + 1], ys[y], ys[y + 1]];
-        quad([[left, front, z], [right, front, z], [right, back, z], [left, back, z]]);
-    }
-    let corners = [[xs[1], ys[1]], [xs[1], ys[2]], [xs[2], ys[2]], [xs[2], ys[1]]];
-    for side in 0..4 {
-        let ([a, b], [c, d]) = (corners[side], corners[(side + 1) % 4]);
-        quad([[a, b, 0.0], [c, d, 0.0], [c, d, 5.0], [a, b, 5.0]]);
-    }
-    json!({"surface": {"mesh": {"points": points, "triangles": triangles}}})
+    mesh(&steps(&[0.0, 4.0, 44.0, 48.0], &[0.0, 4.0, 34.0, 38.0], &[&[5.0; 3], &[5.0, 0.0, 5.0], &[5.0; 3]]))
 }
 
 /// The small cutter comes down in a corner that the large one does not fit.

@@ -33,7 +33,7 @@ fn block() -> (Vec<Facet>, Vec<Facet>) {
 }
 
 /// A mesh of facets, each with its own three points.
-fn mesh(facets: &[Facet]) -> Value {
+pub(super) fn mesh(facets: &[Facet]) -> Value {
     let triangles: Vec<_> = (0..facets.len()).map(|facet| [3 * facet, 3 * facet + 1, 3 * facet + 2]).collect();
     json!({"surface": {"mesh": {"points": facets.concat(), "triangles": triangles}}})
 }

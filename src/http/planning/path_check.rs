@@ -2,6 +2,7 @@
 
 use super::checked_path::{PathCheckAnswer, PathCheckMembers, PathToCheck};
 use super::path_object::{MOST_POINTS, PATH, StatedPath, read_path_file};
+use super::recommendation::{BYTES_OF_JSON, likely_facets};
 use super::upload::{read_file, read_small};
 use crate::budget::{Job, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
@@ -20,9 +21,6 @@ use crate::path::program::ProgramPoint;
 use axum::extract::State;
 use utoipa::openapi::schema::{KnownFormat, ObjectBuilder, SchemaFormat, Type};
 use utoipa::openapi::{RefOr, Schema};
-
-/// The bytes of JSON for each point and for each facet, between the shortest notation and numbers with digits.
-const BYTES_OF_JSON: usize = 20;
 
 /// The largest program in a form.
 pub(in crate::http) const LARGEST_PROGRAM: usize = 32 << 20;
@@ -50,9 +48,9 @@ fn describe_request(components: &mut Components) -> RefOr<Schema> {
     responses((status = 200, description = "What the path leaves, with the worst places", body = PathCheckAnswer), Problems),
 )]
 pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Problem> {
-    let bytes = body.json().len();
-    let likely = bytes / BYTES_OF_JSON;
-    let job = Job::PathCheck { json: bytes, facets: likely, points: likely.min(MOST_POINTS), threads: work.threads() };
+    let json = body.json();
+    let points = (json.len() / BYTES_OF_JSON).min(MOST_POINTS);
+    let job = Job::PathCheck { json: json.len(), facets: likely_facets(json), points, threads: work.threads() };
     work.answer(job, move |cancelled| {
         let check = body.read_until(cancelled, |object, faults| {
             let surface = object.required(&SURFACE, faults);
@@ -103,7 +101,7 @@ pub(crate) async fn answer_upload(
                 let text = read_small(&mut form, PATH.name, LARGEST_PROGRAM).await?;
                 let (read, found) = read_path(text, &work).await?;
                 // Arcs become chords: a short program may have many points.
-                held.grow_input(points(&read) as u64 * size_of::<ProgramPoint>() as u64)?;
+                held.grow_input(points_of(&read) as u64 * size_of::<ProgramPoint>() as u64)?;
                 faults.take_in(found, |pointer| Some(pointer.to_owned()));
                 path = Some(read);
             }
@@ -119,7 +117,7 @@ pub(crate) async fn answer_upload(
         }
     }
     let facets = surface.as_ref().and_then(|surface| surface.as_ref().ok()).map_or(0, |sourced| sourced.surface.mesh.size().facets);
-    let points = path.as_ref().map_or(0, points);
+    let points = path.as_ref().map_or(0, points_of);
     let job = Job::PathCheck { json: 0, facets, points, threads: work.threads() };
     work.answer(job, move |cancelled| {
         let missing =
@@ -155,7 +153,7 @@ async fn read_path(text: Vec<u8>, work: &Work) -> Result<(Result<StatedPath, Fau
 }
 
 /// The number of points of a path; 0 if it could not be read.
-fn points(path: &Result<StatedPath, Faulted>) -> usize {
+fn points_of(path: &Result<StatedPath, Faulted>) -> usize {
     path.as_ref().map_or(0, |path| path.program.points.len())
 }
 

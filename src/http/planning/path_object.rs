@@ -154,7 +154,7 @@ impl Kind for PassesKind {
         for (point, _) in points.iter_mut().zip(&moves).filter(|(_, kind)| **kind == MoveKind::Rapid) {
             point.reached = Reached::Rapid;
         }
-        // In shortened passes, what leads to the first run has its tool.
+        // Passes of which the beginning was removed may have points before the first run: they have its tool.
         let mut runs = starts.iter().zip(&operations).peekable();
         let mut tool = operations.first().copied().unwrap_or_default();
         for (index, point) in points.iter_mut().enumerate() {

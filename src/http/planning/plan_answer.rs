@@ -213,8 +213,8 @@ answer! {
     /// height over the first run to the clearance height over the last, links and lifts included.
     #[schema(as = Passes)]
     pub(crate) struct PassesAnswer of (passes: plan::Passes) {
-        /// The index in the columns at which each run begins: at its first contact, and the first run of an operation at the operation's first
-        /// point, at the clearance height. Between two operations the tool changes.
+        /// The index in the columns of each run's first point. The first run of an operation begins with the operation's approach from
+        /// the clearance height. Between two operations the tool changes.
         run_starts: Vec<usize> = passes.run_starts,
         /// The operation of each run, its position in `plan.operations`; 0 without a plan of several. All points from the run's start to
         /// the next one's are made with its cutter.

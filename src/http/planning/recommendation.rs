@@ -45,17 +45,19 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
     .await
 }
 
-/// The number of facets of the surface in a body, before it is read: one for each 20 bytes, between the shortest
-/// notation and meshes with digits; or two for each cell of the samples of a patch, unless they are written in an
-/// unusual way.
-fn likely_facets(json: &[u8]) -> usize {
+/// The bytes of JSON for each facet or point: between the shortest notation and numbers with digits.
+pub(super) const BYTES_OF_JSON: usize = 20;
+
+/// The number of facets of the surface in a body, before it is read: one for each [`BYTES_OF_JSON`], or two for each cell
+/// of the samples of a patch, unless they are written in an unusual way.
+pub(super) fn likely_facets(json: &[u8]) -> usize {
     const NAME: &[u8] = b"\"samples\"";
     let samples = memchr::memmem::find_iter(json, NAME).map(|place| {
         let digits = json[place + NAME.len()..].iter().skip_while(|byte| byte.is_ascii_whitespace() || **byte == b':');
         digits.take(4).take_while(|byte| byte.is_ascii_digit()).fold(0, |number, digit| 10 * number + usize::from(digit - b'0'))
     });
     let of_patch = samples.max().map_or(0, |samples| 2 * samples * samples);
-    (json.len() / 20).max(of_patch).min(MOST_FACETS)
+    (json.len() / BYTES_OF_JSON).max(of_patch).min(MOST_FACETS)
 }
 
 /// Reads a body and prepares the facets of the plan.

@@ -52,8 +52,8 @@ pub struct CutPoint {
 pub struct Passes {
     /// The points.
     pub points: Vec<PassPoint>,
-    /// The points at which runs begin; the first run of an operation begins where the operation does. All points from there to the
-    /// next run's start have the cutter of the run's operation.
+    /// The points at which runs begin; the first run of an operation begins with the operation's approach. All points from a run's start
+    /// to the next one's have the cutter of the run's operation.
     pub run_starts: Vec<usize>,
     /// The operation of each run.
     pub operations: Vec<usize>,

@@ -4,7 +4,7 @@
 mod hostile;
 mod laws;
 mod operations;
-mod parts;
+pub(super) mod parts;
 mod passes;
 mod published;
 mod random_patches;

@@ -107,8 +107,8 @@ fn a_rest_is_what_the_cutter_before_cannot_reach() {
     assert!(verdict.is_kept(), "{verdict}");
 }
 
-/// Long strips are as far off a cylinder as they are narrow allows, however long they are: a ball hardly larger than the groove leaves
-/// far more.
+/// How far a strip is off a cylinder depends on its width alone, not on its length. A ball hardly larger than the groove leaves far
+/// more than that.
 #[test]
 fn a_groove_of_long_strips_is_a_rest_and_no_coarse_mesh() {
     let (radius, half) = (2.8, 60.0_f64.to_radians());
