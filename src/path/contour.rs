@@ -67,7 +67,7 @@ impl<'a> LevelMap<'a> {
             let Self { drop, profile, raster, ref heights } = *self;
             Tracer { drop, profile, raster, level, tolerance, stop }.contours(|node| heights[node] <= level + ON_LEVEL)
         };
-        levels.par_iter().map(of_level).collect()
+        levels.par_iter().with_max_len(1).map(of_level).collect()
     }
 }
 

@@ -258,6 +258,7 @@ fn climbed(
     places.truncate(STARTS);
     places
         .par_iter()
+        .with_max_len(1)
         .filter_map(|(place, _)| Some(on_facet(corners(place.facet), Spot { place: *place, left: level(place)? }, towards, level)))
         .reduce_with(|a, b| if towards.is_worse(b.left.height, a.left.height) { b } else { a })
 }

@@ -8,12 +8,13 @@ use crate::numerics::vector::{difference, dot, length};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// The most steps away from what blocks a flat cutter beside a place.
-const MOST_STEPS: usize = 16;
+/// The most steps away from what blocks a flat cutter beside a place, and how many of them may look for what blocks it: the others
+/// move away from what is known.
+const MOST_STEPS: usize = 64;
+const MOST_DROPS: usize = 16;
 
-/// Where that does not clear the cutter, it starts from so many axes around the place, at this share of the flat's radius.
-const STARTS: u8 = 8;
-const START_AT: f64 = 0.7;
+/// Where that does not clear the cutter, it starts from axes around the place: at these shares of the flat's radius, so many each.
+const STARTS: [(f64, u8); 2] = [(0.7, 8), (1.0, 12)];
 
 /// Axes closer than this many mm are the same.
 const SAME: f64 = 1e-9;
@@ -76,40 +77,50 @@ impl Standing {
         }
         let mut best = Self { axis: [x, y], tip: z, lift: f64::INFINITY };
         let mut walked: Vec<[f64; 2]> = Vec::new();
-        let starts = (0..STARTS).map(|part| TAU * f64::from(part) / f64::from(STARTS)).map(|angle| {
-            let (sin, cos) = angle.sin_cos();
-            [x + START_AT * flat * cos, y + START_AT * flat * sin]
-        });
-        for mut axis in std::iter::once([x, y]).chain(starts) {
+        let mut obstacles: Vec<Obstacle> = Vec::new();
+        let starts =
+            STARTS.iter().flat_map(|(share, count)| (0..*count).map(move |part| (*share, TAU * f64::from(part) / f64::from(*count))));
+        let around = starts.map(|(share, angle)| [x + share * flat * angle.cos(), y + share * flat * angle.sin()]);
+        for mut axis in std::iter::once([x, y]).chain(around) {
             let mut before = axis;
             let of_earlier = walked.len();
+            let mut drops = 0;
             for _ in 0..MOST_STEPS {
-                if walked[..of_earlier].iter().any(|earlier| (axis[0] - earlier[0]).hypot(axis[1] - earlier[1]) <= JOINED * flat) {
-                    break;
-                }
-                walked.push(axis);
-                let Some((lift, touch)) = lift_at(axis, z) else { break };
-                // Of two that are as high, the later one is farther from what it touched: in a slot as wide as the cutter, where it fits.
-                if lift <= best.lift {
-                    best = Self { axis, lift: lift.max(0.0), ..best };
-                }
-                if lift <= tolerance {
-                    return best;
-                }
+                let known = obstacles.iter().filter(|known| known.distance(axis) < known.holds_up_within);
+                let nearest = known.max_by(|a, b| (a.clear_at - a.distance(axis)).total_cmp(&(b.clear_at - b.distance(axis))));
+                let (obstacle, on_plane) = if let Some(known) = nearest {
+                    (*known, 0.0)
+                } else {
+                    let is_joined = |earlier: &[f64; 2]| (axis[0] - earlier[0]).hypot(axis[1] - earlier[1]) <= JOINED * flat;
+                    if drops == MOST_DROPS || walked[..of_earlier].iter().any(is_joined) {
+                        break;
+                    }
+                    drops += 1;
+                    walked.push(axis);
+                    let Some((lift, touch)) = lift_at(axis, z) else { break };
+                    // Of two that are as high, the later one is farther from what it touched: in a slot as wide as the cutter, where it fits.
+                    if lift <= best.lift {
+                        best = Self { axis, lift: lift.max(0.0), ..best };
+                    }
+                    if lift <= tolerance {
+                        return best;
+                    }
+                    let clear_of = |height: f64| clear_distance(profile, touch.contact.z - z - height);
+                    let clear_at = clear_of(0.0) * (1.0 + 1e-9) + 1e-6;
+                    let obstacle = Obstacle { at: [touch.contact.x, touch.contact.y], clear_at, holds_up_within: clear_of(tolerance) };
+                    obstacles.push(obstacle);
+                    let gradient = touch.normal.x.hypot(touch.normal.y) / touch.normal.z;
+                    (obstacle, if gradient >= STEEP { lift / gradient } else { 0.0 })
+                };
                 // The axis moves away from what it touches until the profile clears it, or as far as the steep plane that touches the
                 // cutter there holds it up if that is farther, but not farther than the flat reaches.
-                let away = [axis[0] - touch.contact.x, axis[1] - touch.contact.y];
-                let distance = away[0].hypot(away[1]);
-                let needed = clear_distance(profile, touch.contact.z - z) * (1.0 + 1e-9) + 1e-6;
-                let gradient = touch.normal.x.hypot(touch.normal.y) / touch.normal.z;
-                let on_plane = if gradient >= STEEP { lift / gradient } else { 0.0 };
-                let farther = (needed - distance).max(on_plane);
+                let distance = obstacle.distance(axis);
+                let farther = (obstacle.clear_at - distance).max(on_plane);
                 if distance <= 0.0 || farther <= 0.0 {
                     break;
                 }
-                let step = farther / distance;
                 let last = std::mem::replace(&mut before, axis);
-                axis = [axis[0] + step * away[0], axis[1] + step * away[1]];
+                axis = [0, 1].map(|part| axis[part] + farther / distance * (axis[part] - obstacle.at[part]));
                 let from_place = [axis[0] - x, axis[1] - y];
                 let moved = from_place[0].hypot(from_place[1]);
                 if moved > flat {
@@ -122,6 +133,22 @@ impl Standing {
             }
         }
         best
+    }
+}
+
+/// A point of the part that held a cutter up over a place, seen from above.
+#[derive(Debug, Clone, Copy)]
+struct Obstacle {
+    at: [f64; 2],
+    /// The distance in mm of an axis from which on the cutter clears it.
+    clear_at: f64,
+    /// Within this distance in mm it holds the cutter up by more than the tolerance.
+    holds_up_within: f64,
+}
+
+impl Obstacle {
+    fn distance(&self, axis: [f64; 2]) -> f64 {
+        (axis[0] - self.at[0]).hypot(axis[1] - self.at[1])
     }
 }
 

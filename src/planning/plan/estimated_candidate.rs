@@ -7,7 +7,7 @@ use super::family::{Family, Heading};
 use super::milled_plan::MilledPlan;
 use super::settings::{CandidateCutter, Directions, PlanSettings};
 use super::spacing::{Prepared, rows_of};
-use super::stations::{DrawnPlace, ESTIMATED_ON, Station, cut_by_fitting, drawn, stands_at, stations};
+use super::stations::{AT_ONCE, DrawnPlace, ESTIMATED_ON, Station, cut_by_fitting, drawn, stands_at, stations};
 use super::workpiece::Workpiece;
 use crate::milling::{Model, Profile};
 use crate::planning::{RectanglePlan, plan_on_rectangle};
@@ -192,7 +192,7 @@ impl Uncut {
         let over: Vec<&Station> = stations.iter().filter(|station| station.lift > scallop_height).collect();
         // In a hollow of coarse facets a cutter that fits the surface stands on their edges.
         let fits = |place: &DrawnPlace| stands_at(workpiece, profile, place, scallop_height + cut_by_fitting(workpiece, place));
-        let refused = over.par_iter().filter(|station| !fits(&station.place)).count();
+        let refused = over.par_iter().with_max_len(AT_ONCE).filter(|station| !fits(&station.place)).count();
         #[expect(clippy::cast_precision_loss, reason = "counts far under 2^53")]
         let [share, refused_share] = [over.len(), refused].map(|count| count as f64 / stations.len().max(1) as f64);
         let height = over.iter().map(|station| station.lift).filter(|lift| lift.is_finite()).fold(0.0, f64::max);

@@ -2,7 +2,7 @@
 
 use super::family::{Allowed, Family};
 use super::spacing::Prepared;
-use super::stations::Station;
+use super::stations::{AT_ONCE, Station};
 use super::workpiece::Workpiece;
 use crate::path::{self, EdgedFacet, Milled, ON_EDGES, Place, places_on_edges};
 use crate::quantity::Length;
@@ -59,7 +59,7 @@ pub(super) fn judged(
         let marks = height * (1.0 - prepared.feeds.step_over_share(tangent, cos_alpha));
         Some(Judged { left: left.map(|left| left.height), marks })
     };
-    stations.par_iter().with_min_len(64).map(of_station).collect()
+    stations.par_iter().with_max_len(AT_ONCE).map(of_station).collect()
 }
 
 /// From this many scallop heights on, a place is missed by planes: it is no ridge between them.
@@ -276,7 +276,7 @@ pub(super) fn deepest_cut(workpiece: &Workpiece, stations: &[Station], judged: &
     let edged =
         targets.map(|(index, target)| EdgedFacet { facet: workpiece.facet_of(index), corners: target.corners, normal: target.normal });
     let at_edge = |place: Place| milled.left_at(place.point, place.normal).map(|left| (place, left.height));
-    let on_edges = places_on_edges(edged, ON_EDGES).into_par_iter().with_min_len(64);
+    let on_edges = places_on_edges(edged, ON_EDGES).into_par_iter().with_max_len(AT_ONCE);
     let at_edges: Vec<(Place, f64)> = on_edges.filter_map(at_edge).collect();
     let corners_of = |facet: u32| workpiece.corners_of(facet).map(Into::into);
     path::deepest_cut(milled, &corners_of, at_stations.chain(at_edges)).map_or(0.0, |spot| -spot.left.height)

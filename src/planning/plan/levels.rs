@@ -60,7 +60,7 @@ impl<'a> LevelMaker<'a> {
                 tips.fetch_add(runs.iter().map(|run| run.tips.len()).sum(), Ordering::Relaxed);
                 runs
             };
-            runs.extend(contours.par_iter().enumerate().flat_map_iter(of_level).collect::<Vec<_>>());
+            runs.extend(contours.par_iter().with_max_len(1).enumerate().flat_map_iter(of_level).collect::<Vec<_>>());
             if tips.load(Ordering::Relaxed) > MOST_TIPS {
                 return None;
             }

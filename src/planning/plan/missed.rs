@@ -5,7 +5,7 @@
 use super::judged::MissedStation;
 use super::runs::{LEVEL, Run, RunTip, highest_step};
 use super::spacing::Prepared;
-use super::stations::Station;
+use super::stations::{AT_ONCE, Station};
 use super::workpiece::Workpiece;
 use crate::milling::Profile;
 use crate::numerics::vector::{difference, dot, length, mixed};
@@ -68,7 +68,7 @@ impl<'a> Missed<'a> {
         let profile = prepared.profile.widened(-0.5 * chord_tolerance.min(flat));
         let beside = beside * radius;
         let is_beside = |missed: &&MissedStation| !stop() && is_beside_wall(workpiece, &prepared.profile, missed.station, beside, height);
-        let (mut passed, open): (Vec<&MissedStation>, Vec<&MissedStation>) = stations.par_iter().partition(is_beside);
+        let (mut passed, open): (Vec<&MissedStation>, Vec<&MissedStation>) = stations.par_iter().with_max_len(16).partition(is_beside);
         if open.iter().map(|missed| missed.share).sum::<f64>() <= MOST_OPEN {
             passed.extend(open);
         }
@@ -78,7 +78,7 @@ impl<'a> Missed<'a> {
             let touch = workpiece.drop.drop(&profile, x, y, None).filter(|touch| touch.height <= station.tip + height)?;
             Some(RunTip { tip: [x, y, touch.height], target: Some(station.place.target), contact: station.place.point })
         };
-        let tips: Vec<RunTip> = passed.par_iter().filter_map(tip_of).collect();
+        let tips: Vec<RunTip> = passed.par_iter().with_max_len(AT_ONCE).filter_map(tip_of).collect();
         let fine = Sampling::fine(&profile, chord_tolerance);
         // The edge of a flat end that passes a wall's corner between two samples cuts it by step^2 / (8 R).
         let sampling = Sampling { step: fine.step.min((4.0 * radius * chord_tolerance).sqrt()), ..fine };

@@ -7,7 +7,7 @@ use super::judged::{FinishFigures, Judged, KEPT, deepest_cut, judged};
 use super::milled_plan::{MOST_WITH_OPERATIONS, NoPlan, Planner};
 use super::settings::{CandidateCutter, Pattern, PlanSettings};
 use super::spacing::{Prepared, rows_of};
-use super::stations::{Cells, DrawnPlace, ESTIMATED_ON, JUDGED_ON, Region, Set, Station, drawn, drawn_until, stations, within};
+use super::stations::{Cells, DrawnPlace, ESTIMATED_ON, JUDGED_ON, Region, Set, Station, drawn, drawn_until, stations};
 use super::workpiece::Workpiece;
 use crate::path::Milled;
 use crate::quantity::{Angle, Length, Time};
@@ -434,8 +434,9 @@ impl Arranged<'_> {
         let height = settings.scallop_height.mm();
         let left = |places: Vec<DrawnPlace>| if planned.is_rest { self.left_by(before, places) } else { places };
         let of_set = |set: Set, cells: Option<&Cells>| {
-            let places = drawn_until(workpiece, set.count(), set.seed(), &|target| workpiece.is_sloped(target, planned.slopes), &left);
-            stations(workpiece, &prepared.profile, &within(&places, cells), height, stop)
+            let belongs = |target: usize| workpiece.is_sloped(target, planned.slopes);
+            let places = drawn_until(workpiece, set.count(), set.seed(), &belongs, &left, cells);
+            stations(workpiece, &prepared.profile, &places, height, stop)
         };
         let on = of_set(Set::Spaced, None);
         let region = if planned.is_rest {

@@ -7,6 +7,7 @@ use super::operations::OperationsPlan;
 use super::runs::RunTip;
 use super::settings::{CandidateCutter, PlanSettings};
 use super::spacing::Prepared;
+use super::stations::AT_ONCE;
 use super::tour::TourPoint;
 use super::workpiece::Workpiece;
 use crate::milling::{Contact, EvaluatedPass, Pass, Runout, SurfaceCurvature};
@@ -80,7 +81,7 @@ fn of_paths(workpiece: &Workpiece, paths: &[&PlannedPath], settings: &PlanSettin
     for (operation, PlannedPath { plan, prepared }) in paths.iter().enumerate() {
         let first = all.points.len();
         all.operation_starts.push(first);
-        let points = plan.tour.points.par_iter().with_min_len(64);
+        let points = plan.tour.points.par_iter().with_max_len(AT_ONCE);
         all.points.par_extend(points.map(|point| pass_point(workpiece, plan, prepared, settings, point, stop)));
         let later_runs = plan.tour.run_starts.iter().skip(1).map(|start| first + start);
         all.run_starts.extend(once(first).chain(later_runs));

@@ -65,7 +65,7 @@ pub fn rank(
 ) -> Option<Ranking> {
     let samples = Cell::new(0);
     let job = Job { workpiece, candidates, settings, rest_of: settings.rest_of.map(Cutter::profile), samples: &samples, stop };
-    let few = job.places(ESTIMATED_ON, 0);
+    let few = job.places(ESTIMATED_ON, 0, None);
     let (estimated, mut not_ranked) = job.estimated(&few)?;
     let (mut plans, without_lines) = job.planned(estimated)?;
     plans.sort_by(in_order);
@@ -97,12 +97,13 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Places drawn over the surface, or over the rest.
-    fn places(&self, count: usize, seed: u64) -> Vec<DrawnPlace> {
+    /// Places drawn over the surface, or over the rest; those in some cells, or all of them.
+    fn places(&self, count: usize, seed: u64, cells: Option<&Cells>) -> Vec<DrawnPlace> {
         let Self { workpiece, settings, rest_of, stop, .. } = self;
-        let Some(profile) = rest_of else { return drawn(workpiece, count, seed) };
+        let Some(profile) = rest_of else { return within(&drawn(workpiece, count, seed), cells) };
         let height = settings.scallop_height.mm();
-        drawn_until(workpiece, count, seed, &|_| true, &|places: Vec<DrawnPlace>| left_by(workpiece, profile, &places, height, stop))
+        let left = |places: Vec<DrawnPlace>| left_by(workpiece, profile, &places, height, stop);
+        drawn_until(workpiece, count, seed, &|_| true, &left, cells)
     }
 
     /// The share of the area that the rest has, by its places `few`.
@@ -149,8 +150,11 @@ impl Job<'_> {
             }
             let prepared = &of_candidate.prepared;
             let of_set = |set: Set, cells: Option<&Cells>| {
-                let places = sets[set as usize - 1].get_or_init(|| self.places(set.count(), set.seed()));
-                stations(workpiece, &prepared.profile, &within(places, cells), height, stop)
+                let places = match cells {
+                    Some(_) => &self.places(set.count(), set.seed(), cells),
+                    None => sets[set as usize - 1].get_or_init(|| self.places(set.count(), set.seed(), None)),
+                };
+                stations(workpiece, &prepared.profile, places, height, stop)
             };
             let on = of_set(Set::Spaced, None);
             let region = if self.rest_of.is_some() { Region::of_rest(&on, &prepared.profile, height) } else { Region::WHOLE };

@@ -140,7 +140,7 @@ impl RunMaker<'_> {
             tips.fetch_add(runs.iter().map(|run| run.tips.len()).sum(), Ordering::Relaxed);
             runs
         };
-        let mut runs: Vec<Run> = (0..lines.len()).into_par_iter().flat_map_iter(of_line).collect();
+        let mut runs: Vec<Run> = (0..lines.len()).into_par_iter().with_max_len(1).flat_map_iter(of_line).collect();
         if tips.into_inner() > MOST_TIPS {
             return None;
         }

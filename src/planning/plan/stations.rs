@@ -39,6 +39,10 @@ impl Set {
     }
 }
 
+/// The most places that a thread takes at once. Where a cutter does not fit, a place takes a hundred times as long as elsewhere, and
+/// such places are neighbours: in larger parts one thread would have most of them.
+pub(super) const AT_ONCE: usize = 64;
+
 /// A place of the surface to machine.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawnPlace {
@@ -89,7 +93,7 @@ fn drawn_from(workpiece: &Workpiece, count: usize, seed: u64, belongs: &dyn Fn(u
         }
     }
     // Of a facet that is partly hidden, its visible part is machined.
-    places.into_par_iter().with_min_len(64).filter(|place| workpiece.drop.is_seen(place.point)).collect()
+    places.into_par_iter().with_max_len(AT_ONCE).filter(|place| workpiece.drop.is_seen(place.point)).collect()
 }
 
 /// The targets in the order of a curve that fills the plane (Morton's), so that neighbours in the order are neighbours seen
@@ -145,7 +149,7 @@ pub(super) fn stations(
         let Standing { axis, tip, lift } = Standing::at(&workpiece.drop, profile, &place.on(workpiece), tolerance);
         Some(Station { place: *place, axis, tip, lift })
     };
-    places.par_iter().with_min_len(64).filter_map(station).collect()
+    places.par_iter().with_max_len(AT_ONCE).filter_map(station).collect()
 }
 
 /// Square cells of the plan view.
@@ -219,8 +223,8 @@ pub(super) fn stands_at(workpiece: &Workpiece, profile: &Profile, place: &DrawnP
     Standing::at(&workpiece.drop, profile, &place.on(workpiece), tolerance).lift <= tolerance
 }
 
-/// The places over which `profile` stands by more than `height` mm, and not only because facets are a little off the surface. Once
-/// `stop` returns true, the result must be discarded.
+/// The places that `profile` cannot reach within `height` mm, and not only because facets are a little off the surface. Once `stop`
+/// returns true, the result must be discarded.
 pub(super) fn left_by(
     workpiece: &Workpiece,
     profile: &Profile,
@@ -228,24 +232,27 @@ pub(super) fn left_by(
     height: f64,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Vec<DrawnPlace> {
-    let on = stations(workpiece, profile, places, height, stop);
-    let fits = |place: &DrawnPlace| stands_at(workpiece, profile, place, height + cut_by_fitting(workpiece, place).min(height));
-    on.par_iter().filter(|station| station.lift > height && !fits(&station.place)).map(|station| station.place).collect()
+    let is_left =
+        |place: &&DrawnPlace| !stop() && !stands_at(workpiece, profile, place, height + cut_by_fitting(workpiece, place).min(height));
+    places.par_iter().with_max_len(AT_ONCE).filter(is_left).copied().collect()
 }
 
-/// About `count` places of the targets that `belongs` accepts, of those that `is_left` leaves, or as many as are found.
+/// About `count` places of the targets that `belongs` accepts, of those that `left` leaves, or as many as are found; of these, those
+/// in some cells, or all of them.
 pub(super) fn drawn_until(
     workpiece: &Workpiece,
     count: usize,
     seed: u64,
     belongs: &dyn Fn(usize) -> bool,
     left: &dyn Fn(Vec<DrawnPlace>) -> Vec<DrawnPlace>,
+    cells: Option<&Cells>,
 ) -> Vec<DrawnPlace> {
-    let first = left(drawn_from(workpiece, count, seed, belongs));
-    if first.is_empty() || first.len() >= count / 2 {
-        return first;
-    }
-    left(drawn_from(workpiece, (count * count / first.len()).min(MOST_LOOKED_AT), seed, belongs))
+    // Whether a place is left takes long to find out: a few tell how many must be looked at.
+    let looked_at = match left(drawn_from(workpiece, ESTIMATED_ON, seed, belongs)).len() {
+        few @ 1.. if few < ESTIMATED_ON / 2 => (count * ESTIMATED_ON / few).min(MOST_LOOKED_AT),
+        _ => count,
+    };
+    left(within(&drawn_from(workpiece, looked_at, seed, belongs), cells))
 }
 
 #[cfg(test)]

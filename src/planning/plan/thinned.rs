@@ -92,7 +92,7 @@ impl Planner<'_> {
         let mut all: Vec<(f64, CutLines)> = gaps.iter().map(with_gaps).collect();
         all.dedup_by(|one, other| one.1 == other.1);
         let with_path = |(gap, lines): (f64, CutLines)| {
-            let runs: Vec<Run> = plan.runs.par_iter().flat_map_iter(|run| knife.parts(run, &lines)).collect();
+            let runs: Vec<Run> = plan.runs.par_iter().with_max_len(16).flat_map_iter(|run| knife.parts(run, &lines)).collect();
             let in_order = |order: Order| (order, Tour::of(workpiece, prepared, settings, &runs, order, chord_tolerance));
             let by_ends = (runs.len() <= MOST_BY_ENDS).then(|| in_order(Order::ByEnds));
             let (order, tour) = faster(in_order(Order::ByLines), by_ends, |(_, tour)| tour);

@@ -72,14 +72,15 @@ fn a_place_counts_as_reached_only_where_an_operation_machines_it() {
 }
 
 #[test]
-fn each_part_of_a_wall_has_its_cutter() {
-    let cutters = [Cutter::flat_end(mm(6.0)), Cutter::ball_end(mm(6.0))];
+fn what_a_large_cutter_leaves_of_a_turned_pocket_is_left_to_a_small_one() {
+    let cutters = [Cutter::flat_end(mm(8.0)), Cutter::flat_end(mm(3.0))];
     let mut settings = several(3, 0.01);
     settings.machine.tool_change = Time::from_s(0.0).unwrap();
-    let (plan, ranking) = planned(&placed(&field([34.0, 20.0], 0.25, fillet_wall), 17.3, [0.0; 3]), &cutters, &settings);
-    assert!(plan.tool_changes > 0);
-    let of_slopes = plan.operations.iter().filter(|operation| operation.after.is_none());
-    assert!((of_slopes.map(|operation| operation.area_share).sum::<f64>() - 1.0).abs() < 0.05);
+    let (plan, ranking) = planned(&placed(&pocket(), 17.3, [0.0; 3]), &cutters, &settings);
+    assert_eq!((plan.tool_changes, plan.operations.last().unwrap().candidate), (1, 1));
+    let (rests, of_slopes): (Vec<_>, Vec<_>) = plan.operations.iter().partition(|operation| operation.after.is_some());
+    assert_eq!(rests.len(), 1);
+    assert!((of_slopes.iter().map(|operation| operation.area_share).sum::<f64>() - 1.0).abs() < 0.05);
     assert!(plan.time.seconds() < ranking.plans[0].time.seconds());
 }
 

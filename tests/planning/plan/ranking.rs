@@ -94,8 +94,8 @@ fn the_direction_with_the_fastest_lines_in_part_is_found() {
 fn a_cutter_asked_with_others_has_the_plan_that_it_has_alone() {
     let part = workpiece(&field([40.0, 40.0], 0.4, fillet_wall));
     let cutters = [Cutter::flat_end(mm(6.0)), Cutter::toroidal(mm(6.0), mm(1.0)).unwrap()].map(CandidateCutter::new);
-    // The flat end does not reach the feet of the fillets.
-    let settings = PlanSettings { max_uncut_share: 0.5, ..settings(Model::Envelope) };
+    let settings = settings(Model::Envelope);
+    // At the feet of the fillets the flat end stands away from the wall.
     let together = ranked_on(&part, &cutters, &settings).plans;
     assert_eq!(together.len(), 2);
     for plan in &together {
