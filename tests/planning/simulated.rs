@@ -277,11 +277,19 @@ async fn if_no_cutter_fits_each_has_its_reason() {
     let points: Vec<[f64; 3]> =
         (0..11).flat_map(|row| (0..41).map(move |c| [0.5 * f64::from(c), f64::from(row), at(0.5 * f64::from(c))])).collect();
     let surface = json!({"surface": {"grid": {"rows": 11, "columns": 41, "points": points}}, "cutters": [{"name": "B20", "type": "ball_end", "diameter_mm": 20}]});
-    let answer = app.recommend(&with(simulated(), surface)).await;
+    let request = with(simulated(), surface);
+    let answer = app.recommend(&request).await;
     assert_eq!((answer.status, &answer.body["type"]), (422, &json!("no-cutter-fits")), "{}", answer.body);
     let not_ranked = &answer.body["not_ranked"][0];
     assert_eq!((&not_ranked["name"], &not_ranked["code"]), (&json!("B20"), &json!("cannot-reach")));
     assert!(figure(not_ranked, "/uncut_share") > 0.1);
+    assert!(figure(&answer.body, "/needed_max_uncut_share") < 1.0);
+    // Of what a smaller ball leaves it reaches nothing: no limit on what may be left helps.
+    let rest = json!({"rest_of": {"cutter": {"type": "ball_end", "diameter_mm": 10}}, "max_uncut_share": 1});
+    let answer = app.recommend(&with(request, rest)).await;
+    let not_ranked = &answer.body["not_ranked"][0];
+    assert_eq!((&not_ranked["code"], &not_ranked["uncut_share"]), (&json!("cannot-reach"), &json!(1.0)), "{}", answer.body);
+    assert_eq!(answer.body.get("needed_max_uncut_share"), None);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

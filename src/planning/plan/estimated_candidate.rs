@@ -86,8 +86,9 @@ impl EstimatedCandidate {
         let uncut = Uncut::at(workpiece, &prepared.profile, &on, height);
         // The limit is a share of the whole area also where the places are those of a rest.
         let part = places.iter().map(|place| place.area).sum::<f64>() / workpiece.area();
-        if uncut.refused_share * part.min(1.0) > settings.max_uncut_share {
-            return Err(NotRankedReason::CannotReach { uncut_share: uncut.share, uncut_height: uncut.height });
+        // Of a cutter that reaches nothing there is no plan, whatever may be left.
+        if uncut.share >= 1.0 || uncut.refused_share * part.min(1.0) > settings.max_uncut_share {
+            return Err(uncut.refusal());
         }
         let time = |direction: Angle| seconds(workpiece, &on, &prepared, settings, &Family::Planes(Heading::of(direction.radians())));
         let directions = times_by_direction(&settings.directions, &time);
@@ -101,6 +102,11 @@ impl EstimatedCandidate {
     /// The shortest time of all directions in s; infinite without any.
     pub(super) fn shortest(&self) -> f64 {
         self.directions.iter().filter_map(|(_, seconds)| *seconds).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Why it has no plan if no line meets anything that the cutter reaches.
+    pub(super) fn refusal(&self) -> NotRankedReason {
+        self.uncut.refusal()
     }
 
     /// The directions to mill, the one with the shortest estimate first. One of them is along the part, unless all such are far
@@ -197,6 +203,10 @@ impl Uncut {
         let [share, refused_share] = [over.len(), refused].map(|count| count as f64 / stations.len().max(1) as f64);
         let height = over.iter().map(|station| station.lift).filter(|lift| lift.is_finite()).fold(0.0, f64::max);
         Self { share, height: Length::computed(height), refused_share }
+    }
+
+    fn refusal(&self) -> NotRankedReason {
+        NotRankedReason::CannotReach { uncut_share: self.share, uncut_height: self.height }
     }
 }
 

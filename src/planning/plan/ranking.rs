@@ -159,11 +159,15 @@ impl Job<'_> {
             let on = of_set(Set::Spaced, None);
             let region = if self.rest_of.is_some() { Region::of_rest(&on, &prepared.profile, height) } else { Region::WHOLE };
             let planner = Planner { workpiece, prepared, settings, region: &region, stations: &on, further: &of_set, samples, stop };
-            let Directed { best, times, is_too_long } = in_best_direction(&planner, of_candidate.to_mill(settings), fastest_of(&plans))?;
+            let Directed { best, times, is_too_long, meets_nothing } =
+                in_best_direction(&planner, of_candidate.to_mill(settings), fastest_of(&plans))?;
             match best {
                 Some(best) => plans.push(of_candidate.milled(workpiece, settings, best, &times)),
                 None if is_too_long => plans.push(of_candidate.unmilled(workpiece, settings)),
-                None => without_lines.push(UnrankedCandidate { candidate: prepared.index, reason: NotRankedReason::NoStepOver }),
+                None => {
+                    let reason = if meets_nothing { of_candidate.refusal() } else { NotRankedReason::NoStepOver };
+                    without_lines.push(UnrankedCandidate { candidate: prepared.index, reason });
+                }
             }
             keep_path_of_first(&mut plans);
         }
@@ -177,6 +181,8 @@ struct Directed {
     /// The time of each direction that was planned, `None` without a plan.
     times: Vec<(Angle, Option<Time>)>,
     is_too_long: bool,
+    /// Whether the lines of a direction meet nothing that the cutter reaches.
+    meets_nothing: bool,
 }
 
 /// The shortest time in s of the plans that keep the scallop height; infinite without any.
@@ -191,7 +197,7 @@ fn fastest_of(plans: &[CandidatePlan]) -> f64 {
 /// A draft tells roughly what lines in part spare: which of their stretches come back is known once they are milled. So a direction
 /// whose lines take far less time in part is finished beside the one with the fastest whole lines, and the faster plan is taken.
 fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) -> Option<Directed> {
-    let mut directed = Directed { best: None, times: Vec::new(), is_too_long: false };
+    let mut directed = Directed { best: None, times: Vec::new(), is_too_long: false, meets_nothing: false };
     let mut drafts: Vec<(Angle, Draft)> = Vec::new();
     for direction in directions {
         let before = planner.samples.get();
@@ -207,7 +213,10 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) ->
                 }
             }
             Err(NoPlan::Stopped) => return None,
-            Err(NoPlan::NoLines | NoPlan::NoRuns) => directed.times.push((direction, None)),
+            Err(reason @ (NoPlan::NoLines | NoPlan::NoRuns)) => {
+                directed.meets_nothing |= reason == NoPlan::NoRuns;
+                directed.times.push((direction, None));
+            }
             Err(NoPlan::TooLong) => {
                 directed.is_too_long = true;
                 break;
@@ -228,7 +237,8 @@ fn in_best_direction(planner: &Planner, directions: Vec<Angle>, fastest: f64) ->
                 }
             }
             Err(NoPlan::Stopped) => return None,
-            Err(NoPlan::NoLines | NoPlan::NoRuns) => {}
+            Err(NoPlan::NoLines) => {}
+            Err(NoPlan::NoRuns) => directed.meets_nothing = true,
             Err(NoPlan::TooLong) => directed.is_too_long = true,
         }
     }
