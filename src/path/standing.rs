@@ -67,76 +67,44 @@ impl Standing {
         let slope = horizontal.atan2(normal_z);
         let (offset, height) = profile.arc_at(slope).point(slope);
         let flat = profile.arcs()[0].point(0.0).0;
-        let lift_at = |axis: [f64; 2], tip: f64| drop.drop(profile, axis[0], axis[1], Some(facet)).map(|touch| (touch.height - tip, touch));
         // On a slope the flat leaves its radius times the slope.
         if flat * horizontal > 0.1 * tolerance || flat == 0.0 {
             let down_hill = if horizontal > 0.0 { [normal_x / horizontal, normal_y / horizontal] } else { [1.0, 0.0] };
             let axis = [x + offset * down_hill[0], y + offset * down_hill[1]];
-            let lift = lift_at(axis, z - height).map_or(0.0, |(lift, _)| lift.max(0.0));
-            return Self { axis, tip: z - height, lift };
+            let tip = z - height;
+            let lift = drop.drop(profile, axis[0], axis[1], Some(facet)).map_or(0.0, |touch| (touch.height - tip).max(0.0));
+            return Self { axis, tip, lift };
         }
-        let mut best = Self { axis: [x, y], tip: z, lift: f64::INFINITY };
-        let mut walked: Vec<[f64; 2]> = Vec::new();
-        let mut obstacles: Vec<Obstacle> = Vec::new();
-        let starts =
-            STARTS.iter().flat_map(|(share, count)| (0..*count).map(move |part| (*share, TAU * f64::from(part) / f64::from(*count))));
-        let around = starts.map(|(share, angle)| [x + share * flat * angle.cos(), y + share * flat * angle.sin()]);
-        for mut axis in std::iter::once([x, y]).chain(around) {
-            let mut before = axis;
-            let of_earlier = walked.len();
-            let mut drops = 0;
-            for _ in 0..MOST_STEPS {
-                let known = obstacles.iter().filter(|known| known.distance(axis) < known.holds_up_within);
-                let nearest = known.max_by(|a, b| (a.clear_at - a.distance(axis)).total_cmp(&(b.clear_at - b.distance(axis))));
-                let (obstacle, on_plane) = if let Some(known) = nearest {
-                    (*known, 0.0)
-                } else {
-                    let is_joined = |earlier: &[f64; 2]| (axis[0] - earlier[0]).hypot(axis[1] - earlier[1]) <= JOINED * flat;
-                    if drops == MOST_DROPS || walked[..of_earlier].iter().any(is_joined) {
-                        break;
-                    }
-                    drops += 1;
-                    walked.push(axis);
-                    let Some((lift, touch)) = lift_at(axis, z) else { break };
-                    // Of two that are as high, the later one is farther from what it touched: in a slot as wide as the cutter, where it fits.
-                    if lift <= best.lift {
-                        best = Self { axis, lift: lift.max(0.0), ..best };
-                    }
-                    if lift <= tolerance {
-                        return best;
-                    }
-                    let clear_of = |height: f64| clear_distance(profile, touch.contact.z - z - height);
-                    let clear_at = clear_of(0.0) * (1.0 + 1e-9) + 1e-6;
-                    let obstacle = Obstacle { at: [touch.contact.x, touch.contact.y], clear_at, holds_up_within: clear_of(tolerance) };
-                    obstacles.push(obstacle);
-                    let gradient = touch.normal.x.hypot(touch.normal.y) / touch.normal.z;
-                    (obstacle, if gradient >= STEEP { lift / gradient } else { 0.0 })
-                };
-                // The axis moves away from what it touches until the profile clears it, or as far as the steep plane that touches the
-                // cutter there holds it up if that is farther, but not farther than the flat reaches.
-                let distance = obstacle.distance(axis);
-                let farther = (obstacle.clear_at - distance).max(on_plane);
-                if distance <= 0.0 || farther <= 0.0 {
-                    break;
-                }
-                let last = std::mem::replace(&mut before, axis);
-                axis = [0, 1].map(|part| axis[part] + farther / distance * (axis[part] - obstacle.at[part]));
-                let from_place = [axis[0] - x, axis[1] - y];
-                let moved = from_place[0].hypot(from_place[1]);
-                if moved > flat {
-                    axis = [x + from_place[0] * flat / moved, y + from_place[1] * flat / moved];
-                }
-                // Between two obstacles it would go to and fro.
-                if (axis[0] - last[0]).hypot(axis[1] - last[1]) < SAME {
-                    break;
-                }
-            }
+        UnderFlat {
+            drop,
+            profile,
+            place,
+            flat,
+            tolerance,
+            best: Self { axis: [x, y], tip: z, lift: f64::INFINITY },
+            walked: Vec::new(),
+            obstacles: Vec::new(),
         }
-        best
+        .standing()
     }
 }
 
-/// A point of the part that held a cutter up over a place, seen from above.
+/// The search for an axis from which the flat of a cutter finishes a level place: walks away from what holds the cutter up.
+struct UnderFlat<'a> {
+    drop: &'a DropCutter,
+    profile: &'a Profile,
+    place: &'a Place,
+    /// The radius of the flat in mm.
+    flat: f64,
+    tolerance: f64,
+    /// The axis with the least lift so far.
+    best: Standing,
+    /// The axes at which the cutter was dropped, and what held it up.
+    walked: Vec<[f64; 2]>,
+    obstacles: Vec<Obstacle>,
+}
+
+/// A point of the part that held the cutter up, seen from above.
 #[derive(Debug, Clone, Copy)]
 struct Obstacle {
     at: [f64; 2],
@@ -146,10 +114,98 @@ struct Obstacle {
     holds_up_within: f64,
 }
 
-impl Obstacle {
-    fn distance(&self, axis: [f64; 2]) -> f64 {
-        (axis[0] - self.at[0]).hypot(axis[1] - self.at[1])
+impl UnderFlat<'_> {
+    fn standing(mut self) -> Standing {
+        let [x, y, _] = self.place.point;
+        let at = |share: f64, angle: f64| [x + share * self.flat * angle.cos(), y + share * self.flat * angle.sin()];
+        let around = STARTS.iter().flat_map(|(share, count)| (0..*count).map(|part| (*share, TAU * f64::from(part) / f64::from(*count))));
+        let starts: Vec<[f64; 2]> = std::iter::once([x, y]).chain(around.map(|(share, angle)| at(share, angle))).collect();
+        for start in starts {
+            self.walk(start);
+            if self.best.lift <= self.tolerance {
+                break;
+            }
+        }
+        self.best
     }
+
+    /// Walks from an axis until nothing holds the cutter up by more than the tolerance, or the walk leads nowhere.
+    fn walk(&mut self, mut axis: [f64; 2]) {
+        let of_earlier = self.walked.len();
+        let mut before = axis;
+        for _ in 0..MOST_STEPS {
+            let (obstacle, on_plane) = if let Some(known) = self.known_at(axis) {
+                (known, 0.0)
+            } else {
+                let is_joined = self.walked[..of_earlier].iter().any(|earlier| apart(*earlier, axis) <= JOINED * self.flat);
+                if is_joined || self.walked.len() - of_earlier == MOST_DROPS {
+                    return;
+                }
+                let Some(found) = self.dropped_at(axis) else { return };
+                found
+            };
+            // The axis moves away from what it touches until the profile clears it, or as far as the steep plane that touches the
+            // cutter there holds it up if that is farther.
+            let distance = apart(obstacle.at, axis);
+            let farther = (obstacle.clear_at - distance).max(on_plane);
+            if distance <= 0.0 || farther <= 0.0 {
+                return;
+            }
+            let moved = [0, 1].map(|part| axis[part] + farther / distance * (axis[part] - obstacle.at[part]));
+            let last = std::mem::replace(&mut before, axis);
+            axis = self.over_the_place(moved);
+            // Between two obstacles it would go to and fro.
+            if apart(axis, last) < SAME {
+                return;
+            }
+        }
+    }
+
+    /// Of the obstacles found before that hold the cutter up at an axis, the one that is farthest to go.
+    fn known_at(&self, axis: [f64; 2]) -> Option<Obstacle> {
+        let farther = |obstacle: &Obstacle| obstacle.clear_at - apart(obstacle.at, axis);
+        let holds_up = |obstacle: &&Obstacle| apart(obstacle.at, axis) < obstacle.holds_up_within;
+        self.obstacles.iter().filter(holds_up).max_by(|a, b| farther(a).total_cmp(&farther(b))).copied()
+    }
+
+    /// What holds the cutter up at an axis, and how far a steep plane does; `None` if nothing does by more than the tolerance.
+    fn dropped_at(&mut self, axis: [f64; 2]) -> Option<(Obstacle, f64)> {
+        let z = self.place.point[2];
+        self.walked.push(axis);
+        let touch = self.drop.drop(self.profile, axis[0], axis[1], Some(self.place.facet))?;
+        let lift = touch.height - z;
+        // Of two that are as high, the later one is farther from what it touched: in a slot as wide as the cutter, where it fits.
+        if lift <= self.best.lift {
+            self.best = Standing { axis, lift: lift.max(0.0), ..self.best };
+        }
+        if lift <= self.tolerance {
+            return None;
+        }
+        let clear_of = |height: f64| clear_distance(self.profile, touch.contact.z - z - height);
+        let obstacle = Obstacle {
+            at: [touch.contact.x, touch.contact.y],
+            clear_at: clear_of(0.0) * (1.0 + 1e-9) + 1e-6,
+            holds_up_within: clear_of(self.tolerance),
+        };
+        self.obstacles.push(obstacle);
+        let gradient = touch.normal.x.hypot(touch.normal.y) / touch.normal.z;
+        Some((obstacle, if gradient >= STEEP { lift / gradient } else { 0.0 }))
+    }
+
+    /// The axis, or the nearest one to it from which the flat reaches the place.
+    fn over_the_place(&self, axis: [f64; 2]) -> [f64; 2] {
+        let [x, y, _] = self.place.point;
+        let distance = apart(axis, [x, y]);
+        if distance <= self.flat {
+            return axis;
+        }
+        let share = self.flat / distance;
+        [x + share * (axis[0] - x), y + share * (axis[1] - y)]
+    }
+}
+
+fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// Whether a cutter with its tip there cuts into a facet deeper than `depth`: to where the ray from a place along the normal enters
