@@ -106,7 +106,7 @@ impl Problem {
     /// Adds what would help where no cutter fits: the tightest hollow, and the cutter that comes closest to the limit.
     pub(crate) fn with_hollow(mut self, radius: Option<Length>, max_uncut_share: f64) -> Self {
         let mut details = vec![std::mem::take(&mut self.0.detail)];
-        // A cutter that reaches nothing is ranked with no limit.
+        // No limit ranks a cutter that reaches nothing.
         let closest = self.0.not_ranked.iter().filter_map(|cutter| Some((cutter, cutter.uncut_share.filter(|share| *share < 1.0)?)));
         if let Some((cutter, share)) = closest.min_by(|a, b| a.1.total_cmp(&b.1)) {
             // Rounded up, so that the limit does what it says.

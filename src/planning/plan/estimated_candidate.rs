@@ -86,7 +86,7 @@ impl EstimatedCandidate {
         let uncut = Uncut::at(workpiece, &prepared.profile, &on, height);
         // The limit is a share of the whole area also where the places are those of a rest.
         let part = places.iter().map(|place| place.area).sum::<f64>() / workpiece.area();
-        // Of a cutter that reaches nothing there is no plan, whatever may be left.
+        // A cutter that reaches nothing has no plan, whatever may be left.
         if uncut.share >= 1.0 || uncut.refused_share * part.min(1.0) > settings.max_uncut_share {
             return Err(uncut.refusal());
         }
