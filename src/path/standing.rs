@@ -8,12 +8,12 @@ use crate::numerics::vector::{difference, dot, length};
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// The most steps away from what blocks a flat cutter beside a place, and how many of them may look for what blocks it: the others
-/// move away from what is known.
+/// The most steps of a walk away from what blocks a flat cutter beside a place, and the most of them at which the cutter is dropped to
+/// find what blocks it: the others move away from what was found before.
 const MOST_STEPS: usize = 64;
 const MOST_DROPS: usize = 16;
 
-/// Where that does not clear the cutter, it starts from axes around the place: at these shares of the flat's radius, so many each.
+/// Where the walk from the place does not clear the cutter, others start around it: at these shares of the flat's radius, so many at each.
 const STARTS: [(f64, u8); 2] = [(0.7, 8), (1.0, 12)];
 
 /// Axes closer than this many mm are the same.
@@ -168,7 +168,8 @@ impl UnderFlat<'_> {
         self.obstacles.iter().filter(holds_up).max_by(|a, b| farther(a).total_cmp(&farther(b))).copied()
     }
 
-    /// What holds the cutter up at an axis, and how far a steep plane does; `None` if nothing does by more than the tolerance.
+    /// What holds the cutter up where it is dropped at an axis, and the distance in mm to where the steep plane that it touches no longer
+    /// does, 0 without one; `None` if nothing holds it up by more than the tolerance.
     fn dropped_at(&mut self, axis: [f64; 2]) -> Option<(Obstacle, f64)> {
         let z = self.place.point[2];
         self.walked.push(axis);

@@ -39,7 +39,7 @@ impl Set {
     }
 }
 
-/// The most places that a thread takes at once. Where a cutter does not fit, a place takes a hundred times as long as elsewhere, and
+/// The most places that a thread takes at once. Where a cutter does not fit, a place takes many times as long as elsewhere, and
 /// such places are neighbours: in larger parts one thread would have most of them.
 pub(super) const AT_ONCE: usize = 64;
 
