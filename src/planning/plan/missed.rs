@@ -23,6 +23,9 @@ const MOST_OPEN: f64 = 0.02;
 /// The fewest stations that are worth a run.
 const FEWEST: usize = 6;
 
+/// The share of the scallop height by which a tip leaves less than the path does where a run goes to it.
+const WORTHWHILE: f64 = 0.1;
+
 /// What each mm beside the way straight on counts against a tip ahead: along straight walls runs are straight.
 const ASTRAY: f64 = 3.0;
 
@@ -73,10 +76,13 @@ impl<'a> Missed<'a> {
             passed.extend(open);
         }
         let tip_of = |missed: &&MissedStation| {
-            let station = missed.station;
+            let MissedStation { station, judged, .. } = missed;
             let [x, y] = station.axis;
             let touch = workpiece.drop.drop(&profile, x, y, None).filter(|touch| touch.height <= station.tip + height)?;
-            Some(RunTip { tip: [x, y, touch.height], target: Some(station.place.target), contact: station.place.point })
+            // A cutter held up over the place may leave there what the path leaves.
+            let leaves = (touch.height - station.tip) * workpiece.targets[station.place.target].normal[2];
+            let is_worthwhile = judged.left.is_none_or(|left| leaves <= left - WORTHWHILE * height);
+            is_worthwhile.then_some(RunTip { tip: [x, y, touch.height], target: Some(station.place.target), contact: station.place.point })
         };
         let tips: Vec<RunTip> = passed.par_iter().with_max_len(AT_ONCE).filter_map(tip_of).collect();
         let fine = Sampling::fine(&profile, chord_tolerance);
