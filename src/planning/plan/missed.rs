@@ -9,7 +9,7 @@ use super::stations::{AT_ONCE, Station};
 use super::workpiece::Workpiece;
 use crate::milling::Profile;
 use crate::numerics::vector::{difference, dot, length, mixed};
-use crate::path::{Sampling, tips_between};
+use crate::path::{Milled, Move, MoveKind, Sampling, tips_between};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_4;
@@ -79,10 +79,12 @@ impl<'a> Missed<'a> {
             let MissedStation { station, judged, .. } = missed;
             let [x, y] = station.axis;
             let touch = workpiece.drop.drop(&profile, x, y, None).filter(|touch| touch.height <= station.tip + height)?;
-            // A cutter held up over the place may leave there what the path leaves.
-            let leaves = (touch.height - station.tip) * workpiece.targets[station.place.target].normal[2];
-            let is_worthwhile = judged.left.is_none_or(|left| leaves <= left - WORTHWHILE * height);
-            is_worthwhile.then_some(RunTip { tip: [x, y, touch.height], target: Some(station.place.target), contact: station.place.point })
+            // Where others hold the cutter up, it may leave as much over the place as the path does.
+            let tip = [x, y, touch.height];
+            let standing = Milled::new(&prepared.profile, &[Move { from: tip, to: tip, kind: MoveKind::Cut }], stop)?;
+            let leaves = standing.left_at(station.place.point, workpiece.targets[station.place.target].normal);
+            let is_worthwhile = judged.left.zip(leaves).is_none_or(|(left, leaves)| leaves.height <= left - WORTHWHILE * height);
+            is_worthwhile.then_some(RunTip { tip, target: Some(station.place.target), contact: station.place.point })
         };
         let tips: Vec<RunTip> = passed.par_iter().with_max_len(AT_ONCE).filter_map(tip_of).collect();
         let fine = Sampling::fine(&profile, chord_tolerance);

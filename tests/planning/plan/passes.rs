@@ -1,13 +1,14 @@
 //! The path of a plan, point by point.
 
-use super::parts::{cone_on_floor, profile, steps};
+use super::parts::{cone_on_floor, field, profile, steps};
 use super::surfaces::{Facet, Height, facets, placed, published};
 use super::{drive, in_direction, mm, published_cutters, ranked_on, settings, workpiece};
 use scallopd::milling::{Contact, Cutter, EvaluatedPass, Model, Pass, Runout, SurfaceCurvature};
 use scallopd::motion::{Machine, MachineLimits, travel_time};
 use scallopd::path::MoveKind;
-use scallopd::planning::plan::{CandidateCutter, CandidatePlan, PassPoint, Passes, PlanSettings, Workpiece, passes};
+use scallopd::planning::plan::{CandidateCutter, CandidatePlan, Drive, PassPoint, Passes, PlanSettings, Workpiece, passes};
 use scallopd::quantity::{Length, Speed};
+use std::collections::HashSet;
 use std::iter;
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -273,5 +274,22 @@ fn a_rib_that_is_not_machined_is_crossed_above_it() {
             let lowest = if beside < 5.0 { 12.0 - 5.0 + (25.0 - beside * beside).sqrt() } else { 0.0 };
             assert!(at[2] >= lowest - 0.002, "{at:?}, under {lowest}");
         }
+    }
+}
+
+#[test]
+fn no_stretch_is_cut_twice() {
+    // On a slope with ripples the edges of facets hold a flat cutter up: where it leaves as much as the path did, it need not go again.
+    let ripples = |x: f64, y: f64| 0.6 * ((x - 8.0).hypot(y - 6.0) / 1.8).sin() + 20.0_f64.to_radians().tan() * y;
+    let part = workpiece(&field([16.0, 12.0], 0.25, ripples));
+    let drive = Drive { max_feed_per_tooth: Some(mm(0.05)), ..drive(2, 12_000.0) };
+    let candidate = CandidateCutter { drive: Some(drive), ..CandidateCutter::new(Cutter::flat_end(mm(6.0))) };
+    let settings = PlanSettings { max_uncut_share: 1.0, ..settings(Model::Envelope) };
+    let (_, path) = planned(&part, candidate, &settings);
+    let micrometres = |tip: [f64; 3]| tip.map(|part| (1e3 * part).round() as i64);
+    let mut cut = HashSet::new();
+    for pair in path.points.windows(2).filter(|pair| pair[1].kind == MoveKind::Cut && distance(pair[0].tip, pair[1].tip) > 0.02) {
+        let [from, to] = [0, 1].map(|end| micrometres(pair[end].tip));
+        assert!(cut.insert([from.min(to), from.max(to)]), "{:?} to {:?}", pair[0].tip, pair[1].tip);
     }
 }
