@@ -286,6 +286,7 @@ fn no_stretch_is_cut_twice() {
     let candidate = CandidateCutter { drive: Some(drive), ..CandidateCutter::new(Cutter::flat_end(mm(6.0))) };
     let settings = PlanSettings { max_uncut_share: 1.0, ..settings(Model::Envelope) };
     let (_, path) = planned(&part, candidate, &settings);
+    #[expect(clippy::cast_possible_truncation, reason = "tens of thousands")]
     let micrometres = |tip: [f64; 3]| tip.map(|part| (1e3 * part).round() as i64);
     let mut cut = HashSet::new();
     for pair in path.points.windows(2).filter(|pair| pair[1].kind == MoveKind::Cut && distance(pair[0].tip, pair[1].tip) > 0.02) {
