@@ -2,7 +2,7 @@
 
 #![allow(clippy::cast_precision_loss, reason = "counts are below 2^52")]
 
-use super::finish::{Finish, OVER, looked_at};
+use super::finish::{Finish, OVER, Spot, looked_at};
 use super::milled::{Left, Milled, Move, MoveKind};
 use super::places::{Place, Places};
 use crate::motion::{Machine, TimedMove};
@@ -49,21 +49,15 @@ pub fn findings(finish: &Finish, places: &Places, marked: &[(Place, Left)], tole
         place: *place,
         left: Some(*left),
     }));
-    let of_spot = |kind, spot: super::Spot| Finding { kind, place: spot.place, left: Some(spot.left) };
-    let is_gouge = |left: &Left| left.height < finish.gouge_level;
-    all.extend(finish.collision.filter(|spot| is_gouge(&spot.left)).map(|spot| of_spot(FindingKind::Collision, spot)));
-    all.extend(finish.gouge.filter(|spot| is_gouge(&spot.left)).map(|spot| of_spot(FindingKind::Gouge, spot)));
-    all.extend(finish.worst.filter(|spot| spot.left.height > OVER * tolerance).map(|spot| of_spot(FindingKind::OverTolerance, spot)));
-    for (index, place) in places.inside().iter().enumerate() {
-        let collision = finish.collisions[index].filter(is_gouge);
-        all.extend(collision.map(|left| Finding { kind: FindingKind::Collision, place: *place, left: Some(left) }));
-        let kind = match finish.left[index] {
-            Some(left) if is_gouge(&left) => FindingKind::Gouge,
-            Some(_) if finish.over_reachable[index] => FindingKind::OverTolerance,
-            None if finish.over_reachable[index] => FindingKind::Uncut,
-            _ => continue,
-        };
-        all.push(Finding { kind, place: *place, left: finish.left[index] });
+    let of_spot = |kind, spot: &Spot| Finding { kind, place: spot.place, left: Some(spot.left) };
+    all.extend(finish.collisions.iter().map(|spot| of_spot(FindingKind::Collision, spot)));
+    all.extend(finish.gouges.iter().map(|spot| of_spot(FindingKind::Gouge, spot)));
+    let worst = finish.worst.iter().filter(|spot| spot.left.height > OVER * tolerance);
+    all.extend(worst.map(|spot| of_spot(FindingKind::OverTolerance, spot)));
+    for (index, place) in places.inside().iter().enumerate().filter(|(index, _)| finish.over_reachable[*index]) {
+        let left = finish.left[index];
+        let kind = if left.is_some() { FindingKind::OverTolerance } else { FindingKind::Uncut };
+        all.push(Finding { kind, place: *place, left });
     }
     let size = |finding: &Finding| finding.left.map_or(0.0, |left| left.height.abs());
     all.sort_by(|a, b| a.kind.cmp(&b.kind).then(size(b).total_cmp(&size(a))));

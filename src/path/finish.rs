@@ -29,10 +29,10 @@ const AT_ONCE: usize = 256;
 pub struct Finish {
     /// For each place what the cuts and links leave; `None` where none of them comes over it.
     pub left: Vec<Option<Left>>,
-    /// For each place how deep the rapids cut it.
-    pub collisions: Vec<Option<Left>>,
-    /// The level, below 0, under which a cut counts as a gouge.
-    pub gouge_level: f64,
+    /// The places that cuts and links cut by more than 2 um and a fifth of the tolerance, those for cuts and the deepest included.
+    pub gouges: Vec<Spot>,
+    /// The same for rapids.
+    pub collisions: Vec<Spot>,
     /// For each place whether it is left over the tolerance.
     pub over: Vec<bool>,
     /// For each place left over the tolerance, whether the cutter could have reached it; false elsewhere.
@@ -49,7 +49,7 @@ pub struct Finish {
     pub uncut_share: Share,
     /// The greatest height in mm left where the cutter cannot reach. 0 where it reaches everything.
     pub unreachable_height: f64,
-    /// The share of the area cut by more than 2 um and a fifth of the tolerance.
+    /// The share of the area cut by more than 2 um and a fifth of the tolerance, without places for cuts alone.
     pub gouge_share: Share,
     /// The deepest cut into the part by cuts and links.
     pub gouge: Option<Spot>,
@@ -116,8 +116,9 @@ impl Finish {
         let left = looked_at(&places.inside, stop, |_, place| milled.left_at(place.point, place.normal))?;
         let over: Vec<bool> = left.iter().map(|left| left.is_none_or(|left| left.height > over_level)).collect();
         let over_reachable = looked_at(&over, stop, |index, over| *over && reach.includes(index))?;
-        let of_edges = looked_at(&places.on_edges, stop, |_, place| milled.left_at(place.point, place.normal))?;
-        let collisions = looked_at(&places.inside, stop, |_, place| milled.collision_at(place.point, place.normal))?;
+        let for_cuts = looked_at(&places.for_cuts, stop, |_, place| milled.left_at(place.point, place.normal))?;
+        let by_rapids = |places: &[Place]| looked_at(places, stop, |_, place| milled.collision_at(place.point, place.normal));
+        let hits = [by_rapids(&places.inside)?, by_rapids(&places.for_cuts)?].concat();
 
         let count = places.inside.len();
         let share = |matching: usize| Share::new(matching, count);
@@ -134,16 +135,19 @@ impl Finish {
         let corners = |facet: u32| mesh.corners(facet as usize);
         let everywhere = || {
             let inside = places.inside.iter().zip(&left).enumerate().map(|(index, (place, left))| (place, left, is_reached(index)));
-            let edges = places.on_edges.iter().zip(&of_edges).map(|(place, left)| (place, left, false));
-            inside.chain(edges).filter_map(|(place, left, reached)| left.map(|left| (*place, left.height, reached)))
+            let for_cuts = places.for_cuts.iter().zip(&for_cuts).map(|(place, left)| (place, left, false));
+            inside.chain(for_cuts).filter_map(|(place, left, reached)| left.map(|left| (*place, left.height, reached)))
         };
         let gouge = deepest_cut(milled, &corners, everywhere().map(|(place, height, _)| (place, height)));
         let may_climb = |place: &Place, left: &Left| left.height <= over_level || reach.can_touch(place);
         let level_in_reach = |place: &Place| milled.left_at(place.point, place.normal).filter(|left| may_climb(place, left));
         let reached = everywhere().filter(|(.., reached)| *reached).map(|(place, height, _)| (place, height));
         let worst = climbed(&corners, reached, Climbed::Highest, &level_in_reach);
-        let hits = places.inside.iter().zip(&collisions).filter_map(|(place, left)| left.map(|left| (*place, left.height)));
-        let collision = climbed(&corners, hits, Climbed::Lowest, &|place| milled.collision_at(place.point, place.normal));
+        let all = || places.inside.iter().chain(&places.for_cuts);
+        let hit = all().zip(&hits).filter_map(|(place, left)| left.map(|left| (*place, left.height)));
+        let collision = climbed(&corners, hit, Climbed::Lowest, &|place| milled.collision_at(place.point, place.normal));
+        let is_gouge = |spot: &Spot| spot.left.height < gouge_level;
+        let deeper = |(place, left): (&Place, &Option<Left>)| left.map(|left| Spot { place: *place, left }).filter(is_gouge);
         if stop() {
             return None;
         }
@@ -163,8 +167,8 @@ impl Finish {
             collision,
             worst,
             over_reachable,
-            collisions,
-            gouge_level,
+            gouges: all().zip(left.iter().chain(&for_cuts)).filter_map(deeper).chain(gouge.filter(is_gouge)).collect(),
+            collisions: all().zip(&hits).filter_map(deeper).chain(collision.filter(is_gouge)).collect(),
             over,
             left,
         })

@@ -18,23 +18,26 @@ use rayon::prelude::*;
 /// About how many corners and places on edges are looked at for cuts into the part.
 pub const ON_EDGES: usize = 20_000;
 
+/// How far in mm a place is moved off its facet to tell whether it is seen: one on a wall is under the border of what the wall carries.
+const OFF_THE_FACET: f64 = 1e-4;
+
 /// A place on a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
     /// In mm.
     pub point: [f64; 3],
-    /// The unit normal of the facet, out of the part.
+    /// The unit normal of the facet on its upper side, which is out of the part where the facet is seen from above.
     pub normal: [f64; 3],
     /// The index of the facet in its mesh.
     pub facet: u32,
 }
 
 /// Places on facets of a mesh: one at random in each of many parts of equal area, in an order in which neighbours are
-/// close to each other, and, if wanted, some on corners and edges.
+/// close to each other, and, if wanted, some without area for cuts into the part.
 #[derive(Debug, Clone)]
 pub struct Places {
     pub(super) inside: Vec<Place>,
-    pub(super) on_edges: Vec<Place>,
+    pub(super) for_cuts: Vec<Place>,
     area: f64,
 }
 
@@ -44,36 +47,38 @@ impl Places {
     #[must_use]
     pub fn draw(mesh: &Mesh, facets: &[u32], count: usize, seed: u64) -> Self {
         let facets = in_local_order(mesh, facets);
-        let corners = |facet: u32| mesh.corners(facet as usize);
         let mut random = Random::new(seed);
         let area = |facet: u32| mesh.normal_and_area(facet as usize).1;
         let mut inside = Vec::with_capacity(count);
         let total = strata(&facets, area, count, &mut random, |facet, share, parts, random| {
-            inside.push(place(mesh, facet, inside_facet(corners(facet), share, parts, random)));
+            let Some(EdgedFacet { corners, normal, .. }) = edged(mesh, facet) else { return };
+            inside.push(Place { point: inside_facet(corners, share, parts, random), normal, facet });
         });
-        Self { inside, on_edges: Vec::new(), area: total }
+        Self { inside, for_cuts: Vec::new(), area: total }
     }
 
-    /// With about `count` places on the corners and edges of the facets, which have no area, for cuts into the part.
+    /// With places for cuts into the part: about `count` on the corners and edges of these facets, and as many on the edges and inside
+    /// of the others of the mesh.
     #[must_use]
-    pub fn with_edges(self, mesh: &Mesh, facets: &[u32], count: usize) -> Self {
-        let edged = |facet: &u32| {
-            let (normal, area) = mesh.normal_and_area(*facet as usize);
-            (area > 0.0).then(|| EdgedFacet { facet: *facet, corners: mesh.corners(*facet as usize), normal })
-        };
-        Self { on_edges: places_on_edges(facets.iter().filter_map(edged), count), ..self }
+    pub fn with_cuts(self, mesh: &Mesh, facets: &[u32], count: usize) -> Self {
+        let mut is_other = vec![true; mesh.size().facets];
+        facets.iter().for_each(|facet| is_other[*facet as usize] = false);
+        let others: Vec<u32> = (0..).zip(is_other).filter_map(|(facet, is_other)| is_other.then_some(facet)).collect();
+        let on_edges = |facets: &[u32]| places_on_edges(facets.iter().filter_map(|facet| edged(mesh, *facet)), count);
+        let inside_others = Self::draw(mesh, &others, count, 1).inside;
+        Self { for_cuts: [on_edges(facets), on_edges(&others), inside_others].concat(), ..self }
     }
 
     /// Those of the places that are seen from above.
     #[must_use]
     pub fn seen_from_above(self, drop: &DropCutter) -> Self {
-        let seen = |places: Vec<Place>| -> Vec<Place> {
-            places.into_par_iter().with_min_len(64).filter(|place| drop.is_seen(place.point)).collect()
+        let those = |places: Vec<Place>, is_seen: fn(&DropCutter, &Place) -> bool| -> Vec<Place> {
+            places.into_par_iter().with_min_len(64).filter(|place| is_seen(drop, place)).collect()
         };
         let drawn = self.inside.len().max(1);
-        let inside = seen(self.inside);
+        let inside = those(self.inside, |drop, place| drop.is_seen(place.point));
         let area = self.area * inside.len() as f64 / drawn as f64;
-        Self { inside, on_edges: seen(self.on_edges), area }
+        Self { inside, for_cuts: those(self.for_cuts, is_seen_beside), area }
     }
 
     /// The places inside facets, each of which stands for the same area.
@@ -89,8 +94,17 @@ impl Places {
     }
 }
 
-fn place(mesh: &Mesh, facet: u32, point: [f64; 3]) -> Place {
-    Place { point, normal: mesh.normal_and_area(facet as usize).0, facet }
+/// A facet with its normal on the upper side; `None` for one without area.
+fn edged(mesh: &Mesh, facet: u32) -> Option<EdgedFacet> {
+    let (normal, area) = mesh.normal_and_area(facet as usize);
+    let normal = if normal[2] < 0.0 { normal.map(|part| -part) } else { normal };
+    (area > 0.0).then(|| EdgedFacet { facet, corners: mesh.corners(facet as usize), normal })
+}
+
+/// Whether a place is seen from above on one side of its facet.
+fn is_seen_beside(drop: &DropCutter, place: &Place) -> bool {
+    let Place { point: [x, y, z], normal, .. } = *place;
+    [0.0, OFF_THE_FACET, -OFF_THE_FACET].into_iter().any(|off| drop.is_seen([x + off * normal[0], y + off * normal[1], z]))
 }
 
 /// Divides the facets' sizes, in their order, into `count` equal parts and calls `each` with a random place of each: the
@@ -155,7 +169,7 @@ pub struct EdgedFacet {
     pub facet: u32,
     /// Its corners in mm.
     pub corners: [[f64; 3]; 3],
-    /// Its unit normal, out of the part.
+    /// Its unit normal on the upper side.
     pub normal: [f64; 3],
 }
 

@@ -2,17 +2,18 @@
 
 use super::confidence_answer::ConfidenceAnswer;
 use super::map::PathMapAnswer;
-use super::parameters::{DEFAULT_MAX_SLOPE, FACING, MAX_SLOPE, SELECT};
+use super::parameters::{AVOID, DEFAULT_MAX_SLOPE, FACING, MAX_SLOPE, SELECT};
 use super::path_feeds::{FeedsAnswer, PathMoves};
 use super::path_object::{CuttersByNumber, PATH, PATH_CUTTER, PATH_CUTTERS, PathCutters, StatedPath};
 use super::program::ProgramAnswer;
 use super::surface_answer::report;
+use super::upload::given_once;
 use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, Flag, List, Members, Object, Quantity, Renamed, members};
 use crate::http::wire::{
-    CandidateKind, MACHINE, MachineKind, OnePoint, ROUGHNESS, RoughnessKind, SCALLOP_HEIGHT, SURFACE, SelectKind, SurfaceWithSource, UNIT,
-    Warning, answer, plan_tolerance,
+    CandidateKind, MACHINE, MachineKind, OnePoint, ROUGHNESS, RoughnessKind, SCALLOP_HEIGHT, SURFACE, SelectKind, StatedSurface,
+    SurfaceWithSource, UNIT, Warning, answer, plan_tolerance,
 };
 use crate::milling::{Profile, ra_um};
 use crate::motion;
@@ -21,10 +22,10 @@ use crate::path::{
     DropCutter, Finding, FindingKind, Finish, Left, Milled, Move, ON_EDGES, Passage, PathLengths, Place, Places, Reach, Residual,
     WithMarks, findings, idle_length,
 };
-use crate::planning::machined_surface::{MachinedFacets, Stop};
+use crate::planning::machined_surface::{MachinedFacets, NoMachinedSurface, Stop};
 use crate::planning::{Confidence, PathEvidence};
 use crate::quantity::{Angle, Length};
-use crate::surface::{Facing, ReceivedSurface, Unit};
+use crate::surface::{Facing, Mesh, ReceivedSurface, Unit};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -82,6 +83,7 @@ members! {
         unit: optional UNIT: Choice<Unit>,
         facing: optional FACING: Choice<Facing>,
         select: optional SELECT: SelectKind,
+        avoid: optional AVOID: StatedSurface,
         include: optional PATH_INCLUDE: List<Choice<PathPart>> = ("include", List { item: Choice { name: Some("PathPart"),
             words: &[("map", PathPart::Map), ("places", PathPart::Places), ("feeds", PathPart::Feeds), ("program", PathPart::Program)] },
             about_item: "what the answer contains", fewest: 0, most: 4 },
@@ -94,6 +96,8 @@ members! {
 /// A path to check.
 pub(super) struct PathToCheck {
     surface: MachinedFacets,
+    /// The facets of the surface and those that are not to be cut, if there are any.
+    with_avoided: Option<Mesh>,
     cutters: PathCutters,
     tolerance: Length,
     machine: motion::Machine,
@@ -108,6 +112,7 @@ impl PathToCheck {
         object: &mut Object<'_, '_>,
         surface: Result<SurfaceWithSource, Faulted>,
         path: Result<StatedPath, Faulted>,
+        avoid_part: Result<Option<SurfaceWithSource>, Faulted>,
         faults: &mut Faults,
         cancelled: &CancelFlag,
     ) -> Result<Self, Faulted> {
@@ -128,6 +133,7 @@ impl PathToCheck {
             unit,
             facing,
             select,
+            avoid,
             include,
             old_feeds,
         } = members;
@@ -140,15 +146,28 @@ impl PathToCheck {
             let detail = "program in include needs the program of a path, not tip_mm";
             return Err(faults.add(&root.member(PATH_INCLUDE.name), RequestFault::ConflictingFields, detail));
         }
+        let avoid = given_once(avoid_part?, avoid?, faults)?;
         let (surface, facing) = (surface?, facing?.unwrap_or_default());
         let (selection, max_slope) =
             (select?.unwrap_or_default(), max_slope?.unwrap_or_else(|| Angle::from_radians(DEFAULT_MAX_SLOPE.to_radians())));
-        let unit = surface.unit_of(unit?, faults)?;
+        let requested = unit?;
+        let unit = surface.unit_of(requested, faults)?;
         let shape = surface.surface.sampled.shape(unit, facing);
         let warnings = shape.map_or_else(|_| Vec::new(), |shape| surface.warnings(&shape));
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, .. } = surface;
         let surface = MachinedFacets::new(mesh, unit, facing, &selection, max_slope, &stop);
         let surface = surface.map_err(|reason| report(reason, &at, faults))?;
+        let with_avoided = match avoid {
+            Some(avoid) => {
+                let unit = avoid.unit_of(requested, faults)?;
+                let avoid = avoid.surface.mesh.finish(unit, Facing::Any, &stop);
+                let avoid = avoid.map_err(|error| report(NoMachinedSurface::Avoided(error), &at, faults))?;
+                let mut whole = surface.mesh.clone();
+                whole.append(&avoid);
+                Some(whole)
+            }
+            None => None,
+        };
         let ((cutters, mut path), machine, tolerance) = (path?, machine?, tolerance?.height);
         let (origin, is_centre) = (origin?.unwrap_or_default(), tip? == Some(TipPoint::Centre));
         for ProgramPoint { point, tool, .. } in &mut path.program.points {
@@ -157,7 +176,7 @@ impl PathToCheck {
                 point[2] -= cutters.of_tool(*tool).candidate.cutter.corner_radius().mm();
             }
         }
-        let check = Self { surface, cutters, tolerance, machine, path, include, old_feeds, warnings };
+        let check = Self { surface, with_avoided, cutters, tolerance, machine, path, include, old_feeds, warnings };
         if (check.includes(PathPart::Feeds) || check.includes(PathPart::Program)) && !check.has_teeth() {
             let detail = "feeds need the cutter's teeth, and its spindle_speed_rpm or S words in the program";
             return Err(faults.add(&root.member(PATH_INCLUDE.name), RequestFault::ConflictingFields, detail));
@@ -185,10 +204,11 @@ impl PathToCheck {
         let lengths = PathLengths::new(&moves, &path.stated_rates(), &self.machine);
         let profiles: Vec<Profile> = self.cutters.cutters.iter().map(|cutter| cutter.candidate.cutter.profile()).collect();
         let milled = Milled::by_several(&profiles, |at| path.cutter_of(at), &moves, stop)?;
-        let (mesh, machined): (_, Vec<u32>) = (&self.surface.mesh, self.surface.machined().collect());
+        let machined: Vec<u32> = self.surface.machined().collect();
+        let mesh = self.with_avoided.as_ref().unwrap_or(&self.surface.mesh);
         let tolerance = self.tolerance.mm();
         let drop = DropCutter::of_mesh(mesh, stop);
-        let places = Places::draw(mesh, &machined, PLACES, 1).with_edges(mesh, &machined, ON_EDGES).seen_from_above(&drop);
+        let places = Places::draw(mesh, &machined, PLACES, 1).with_cuts(mesh, &machined, ON_EDGES).seen_from_above(&drop);
         let reach = Reach::new(&profiles, &drop, &places, tolerance);
         let finish = Finish::new(&milled, mesh, &places, &reach, tolerance, stop)?;
         let fewer: Vec<Place> = places.inside().iter().step_by(FEWER).copied().collect();
@@ -204,7 +224,7 @@ impl PathToCheck {
         } else {
             None
         };
-        let map = if self.includes(PathPart::Map) { Some(PathMapAnswer::new(mesh, &machined, &milled, stop)?) } else { None };
+        let map = if self.includes(PathPart::Map) { Some(PathMapAnswer::new(&self.surface.mesh, &machined, &milled, stop)?) } else { None };
         let found = self.includes(PathPart::Places).then(|| {
             let marked = with_marks.as_ref().map_or_else(Vec::new, |marks| over_by_marks(&finish, &fewer, marks, tolerance));
             let smallest = profiles.iter().map(Profile::outer_radius).fold(f64::INFINITY, f64::min);
@@ -291,7 +311,7 @@ answer! {
         pub(super) uncut_share: f64 [minimum = 0, maximum = 1],
         /// The share of the area with ridges of at least half the tolerance.
         pub(super) used_share: f64 [minimum = 0, maximum = 1],
-        /// Cuts into the part.
+        /// Cuts into the part: into the selected area, and into all else that is seen from above, walls and `avoid` included.
         pub(super) gouge: GougeAnswer,
         /// The standard errors of the shares.
         pub(super) standard_error: StandardErrors,
@@ -330,9 +350,9 @@ answer! {
         max: f64 = residual.max,
     }
 
-    /// Cuts into the part.
+    /// Cuts into the part and into what is to be avoided.
     pub(super) struct GougeAnswer of (finish: &Finish) {
-        /// The share of the area cut by more than 2 um and a fifth of the tolerance.
+        /// The share of the selected area cut by more than 2 um and a fifth of the tolerance.
         share: f64 [minimum = 0, maximum = 1] = finish.gouge_share.value,
         /// The deepest cut of moves at the feed rate.
         depth_mm: f64 [minimum = 0] = finish.gouge.map_or(0.0, |spot| -spot.left.height),

@@ -83,7 +83,7 @@ members! {
         select: optional SELECT: SelectKind = ("select", SelectKind,
             "only facets that meet all stated conditions are machined; the cutter must not gouge the others, which still hide what is below them"),
         avoid: optional AVOID: StatedSurface = ("avoid", StatedSurface,
-            "a second surface, in the same unit and position: never machined and never cut, such as the walls beside the faces to finish"),
+            "a second surface, in the same unit and position: never machined and never cut, such as clamps, or the walls beside the faces to finish"),
         include: optional INCLUDE: List<Choice<AnswerPart>> = ("include",
             List { item: Choice { name: None, words: &[("map", AnswerPart::Map), ("maps", AnswerPart::Maps), ("passes", AnswerPart::Passes), ("program", AnswerPart::Program)] }, about_item: "a part of the answer", fewest: 0, most: 4 },
             "optional parts of the answer, in method surface: map, a raster for drawing; maps, it and where every other cutter does not fit, ranked or not; passes, the recommended plan point by point; program, the same as G-code"),

@@ -1,9 +1,10 @@
 //! `POST /v1/path-check` and `/v1/path-check/upload`: what a path leaves on a surface, whoever made it.
 
 use super::checked_path::{PathCheckAnswer, PathCheckMembers, PathToCheck};
+use super::parameters::AVOID;
 use super::path_object::{MOST_POINTS, PATH, StatedPath, read_path_file};
 use super::recommendation::{BYTES_OF_JSON, likely_facets};
-use super::upload::{read_file, read_small};
+use super::upload::{ABOUT_AVOID, avoided, binary, read_file, read_small};
 use crate::budget::{Job, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
 use crate::http::app_state::AppState;
@@ -19,7 +20,6 @@ use crate::http::wire::SURFACE;
 use crate::http::work::Work;
 use crate::path::program::ProgramPoint;
 use axum::extract::State;
-use utoipa::openapi::schema::{KnownFormat, ObjectBuilder, SchemaFormat, Type};
 use utoipa::openapi::{RefOr, Schema};
 
 /// The largest program in a form.
@@ -55,7 +55,7 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
         let check = body.read_until(cancelled, |object, faults| {
             let surface = object.required(&SURFACE, faults);
             let path = object.required(&PATH, faults);
-            PathToCheck::read(object, surface, path, faults, cancelled)
+            PathToCheck::read(object, surface, path, Ok(None), faults, cancelled)
         })?;
         drop(body);
         written(check, cancelled)
@@ -66,15 +66,16 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
 described!(PathCheckUpload, describe_upload);
 
 fn describe_upload(components: &mut Components) -> RefOr<Schema> {
-    let binary = || ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
-    let surface = binary().description(Some("the surface file, in any format of a recommendation's upload"));
-    let path =
-        binary().description(Some("the program: G-code, Heidenhain's Klartext, APT or cutter location statements, columns x, y, z and feed rate in mm/min, or the passes of an answer as JSON"));
+    let surface = binary("the surface file, in any format of a recommendation's upload");
+    let path = binary(
+        "the program: G-code, Heidenhain's Klartext, APT or cutter location statements, columns x, y, z and feed rate in mm/min, or the passes of an answer as JSON",
+    );
     let parameters = components.refer("PathCheckParameters", "", |components| {
         ObjectSchema::new("The cutter, the tolerance and the machine", components).with::<PathCheckMembers>().build()
     });
     let form = ObjectSchema::new("A surface file, a program and the parameters, in any order", components);
-    form.required_property(SURFACE.name, surface).required_property(PATH.name, path).required_property(PARAMETERS, parameters).build()
+    let form = form.required_property(SURFACE.name, surface).property(AVOID.name, binary(ABOUT_AVOID));
+    form.required_property(PATH.name, path).required_property(PARAMETERS, parameters).build()
 }
 
 /// What a program in a file leaves
@@ -92,11 +93,12 @@ pub(crate) async fn answer_upload(
 ) -> Result<WrittenJson, Problem> {
     let input = Job::Upload { bytes: form.stated_length().unwrap_or(u64::MAX) };
     let mut held = work.budget().take(input, LONGEST_WAIT_OF_PLAN).await?;
-    let (mut surface, mut path, mut parameters) = (None, None, None);
+    let (mut surface, mut avoid, mut path, mut parameters) = (None, None, None, None);
     let mut faults = Faults::default();
     while let Some(head) = form.next().await? {
         match head.name.as_deref() {
             Some(name) if name == SURFACE.name && surface.is_none() => surface = Some(read_file(&mut form, &head, &work, &metrics).await?),
+            Some(name) if name == AVOID.name && avoid.is_none() => avoid = Some(read_file(&mut form, &head, &work, &metrics).await?),
             Some(name) if name == PATH.name && path.is_none() => {
                 let text = read_small(&mut form, PATH.name, LARGEST_PROGRAM).await?;
                 let (read, found) = read_path(text, &work).await?;
@@ -111,12 +113,13 @@ pub(crate) async fn answer_upload(
             name => {
                 let path = JsonPath::Root;
                 let path = name.map_or(path, |name| JsonPath::Root.member(name));
-                let detail = "the part is unknown or given more than once; known here: surface, path, parameters";
+                let detail = "the part is unknown or given more than once; known here: surface, avoid, path, parameters";
                 faults.add(&path, RequestFault::UnknownField, detail);
             }
         }
     }
-    let facets = surface.as_ref().and_then(|surface| surface.as_ref().ok()).map_or(0, |sourced| sourced.surface.mesh.size().facets);
+    let files = [&surface, &avoid].into_iter().flatten().filter_map(|read| read.as_ref().ok());
+    let facets = files.map(|sourced| sourced.surface.mesh.size().facets).sum();
     let points = path.as_ref().map_or(0, points_of);
     let job = Job::PathCheck { json: 0, facets, points, threads: work.threads() };
     work.answer(job, move |cancelled| {
@@ -134,7 +137,8 @@ pub(crate) async fn answer_upload(
         };
         let check = read_text(&parameters, cancelled, |object, found| {
             found.take_in(faults, |pointer| Some(pointer.to_owned()));
-            PathToCheck::read(object, surface, path, found, cancelled)
+            let avoid = avoided(avoid, found);
+            PathToCheck::read(object, surface, path, avoid, found, cancelled)
         })?;
         drop(held);
         written(check, cancelled)

@@ -44,27 +44,31 @@ const MOST_VERTICES: usize = 8_000_000;
 described!(UploadRequest, describe_request);
 
 fn describe_request(components: &mut Components) -> RefOr<Schema> {
-    let binary = || ObjectBuilder::new().schema_type(Type::String).format(Some(SchemaFormat::KnownFormat(KnownFormat::Binary)));
-    let file = binary().description(Some(
+    let file = binary(
         "the file: points in text (CSV, TSV, XYZ) or PCD with its data in text, STL, OBJ, PLY or 3MF. The format is detected from the content; the part's media type and file name are used if the content is ambiguous. A text with columns other than x, y and z needs a header that names these",
-    ));
+    );
     let parameters = components.refer("RecommendationParameters", "", |components| {
         let about = "The cutters to choose from, unless they are in libraries, and the machine";
         ObjectSchema::new(about, components).with::<ParameterMembers>().build()
     });
-    let library = binary().description(Some(
+    let library = binary(
         "a tool library: Fusion (.json or .tools), FreeCAD (.fctb, or a zip of them; if the zip has .fctl lists, only the tools named there are read) or CSV; its finishing cutters join cutters. A cutter with a fault is in not_ranked with the code faulty-tool",
-    ));
+    );
     let libraries = ArrayBuilder::new().items(library).description(Some("tool libraries, a part for each"));
-    let avoid = binary().description(Some(
-        "a second surface file, in the same unit and position: never machined and never cut; the member avoid of the parameters is the same in JSON",
-    ));
     let form = ObjectSchema::new("A surface file, the parameters and tool libraries, in any order", components);
     form.required_property(SURFACE.name, file)
-        .property(AVOID.name, avoid)
+        .property(AVOID.name, binary(ABOUT_AVOID))
         .required_property(PARAMETERS, parameters)
         .property(LIBRARY, libraries)
         .build()
+}
+
+pub(super) const ABOUT_AVOID: &str = "a second surface file, in the same unit and position: never machined and never cut; the member avoid of the parameters is the same in JSON";
+
+/// A part with a file.
+pub(super) fn binary(about: &str) -> ObjectBuilder {
+    let format = SchemaFormat::KnownFormat(KnownFormat::Binary);
+    ObjectBuilder::new().schema_type(Type::String).format(Some(format)).description(Some(about))
 }
 
 /// The cutter for a surface in a file
@@ -170,12 +174,7 @@ impl Received {
             let surface = self.surface(faults);
             let avoid = self.avoid(faults);
             let mut parameters = parameters?;
-            if let Some(avoid) = avoid?
-                && parameters.avoid.replace(avoid).is_some()
-            {
-                let detail = "avoid is given both as a part and in the parameters";
-                return Err(faults.add(&JsonPath::Root.member(AVOID.name), RequestFault::ConflictingFields, detail));
-            }
+            parameters.avoid = given_once(avoid?, parameters.avoid.take(), faults)?;
             let mut task = Task::new(parameters, surface?, &JsonPath::Root.member(SURFACE.name), faults, &|| cancelled.is_cancelled())?;
             task.warnings.extend(warnings);
             Ok(task)
@@ -199,10 +198,30 @@ impl Received {
 
     /// The surface that is not cut, with the faults of its file recorded.
     fn avoid(&mut self, faults: &mut Faults) -> Result<Option<SurfaceWithSource>, Faulted> {
-        let path = JsonPath::Root.member(AVOID.name);
-        let read = self.avoid.take().transpose();
-        read.map_err(|fault| faults.add(&path, FileFaultCode::from(fault.kind()), fault))
+        avoided(self.avoid.take(), faults)
     }
+}
+
+/// The surface of the part `avoid`, with the faults of its file recorded.
+pub(super) fn avoided(
+    read: Option<Result<SurfaceWithSource, FileFault>>,
+    faults: &mut Faults,
+) -> Result<Option<SurfaceWithSource>, Faulted> {
+    let path = JsonPath::Root.member(AVOID.name);
+    read.transpose().map_err(|fault| faults.add(&path, FileFaultCode::from(fault.kind()), fault))
+}
+
+/// The surface to avoid of the part or of the parameters; that both have one is a fault.
+pub(super) fn given_once(
+    part: Option<SurfaceWithSource>,
+    member: Option<SurfaceWithSource>,
+    faults: &mut Faults,
+) -> Result<Option<SurfaceWithSource>, Faulted> {
+    if part.is_some() && member.is_some() {
+        let detail = "avoid is given both as a part and in the parameters";
+        return Err(faults.add(&JsonPath::Root.member(AVOID.name), RequestFault::ConflictingFields, detail));
+    }
+    Ok(part.or(member))
 }
 
 /// Reads a part with a surface file on a thread of its own, to which the chunks of the body are passed as they

@@ -25,8 +25,8 @@ pub struct Workpiece {
     facets: Vec<u32>,
     /// The target of each facet, or [`NONE`].
     target_of: Vec<u32>,
-    points: Vec<[f64; 3]>,
-    triangles: Vec<[u32; 3]>,
+    /// All facets: those of the surface, and then those that are not to be cut.
+    mesh: Mesh,
     /// The facets around each point, those of point p from `around_starts[p]` to `around_starts[p + 1]`.
     around: Vec<u32>,
     around_starts: Vec<u32>,
@@ -60,15 +60,12 @@ impl Workpiece {
                 steep_area += visible;
             }
         }
-        let mut points = mesh.points().to_vec();
-        let mut triangles = mesh.triangles().to_vec();
+        let mut mesh = mesh.clone();
         if let Some(avoid) = avoid {
-            let shift = u32::try_from(points.len()).unwrap_or(NONE);
-            points.extend_from_slice(avoid.points());
-            triangles.extend(avoid.triangles().iter().map(|corners| corners.map(|corner| corner + shift)));
+            mesh.append(avoid);
         }
-        let facets: Vec<[[f64; 3]; 3]> = triangles.iter().map(|corners| corners.map(|corner| points[corner as usize])).collect();
-        let drop = DropCutter::new(&facets, stop);
+        let (points, triangles) = (mesh.points(), mesh.triangles());
+        let drop = DropCutter::of_mesh(&mesh, stop);
         let mut around_starts = vec![0_u32; points.len() + 1];
         for corner in triangles.iter().flatten() {
             around_starts[*corner as usize + 1] += 1;
@@ -78,7 +75,7 @@ impl Workpiece {
         }
         let mut next = around_starts.clone();
         let mut around = vec![0; 3 * triangles.len()];
-        for (facet, corners) in (0..).zip(&triangles) {
+        for (facet, corners) in (0..).zip(triangles) {
             for corner in corners {
                 around[next[*corner as usize] as usize] = facet;
                 next[*corner as usize] += 1;
@@ -98,7 +95,7 @@ impl Workpiece {
         }
         let top = points.iter().map(|point| point[2]).fold(f64::NEG_INFINITY, f64::max);
         let tangents = targets.iter().map(Tangent::of).collect();
-        Self { drop, targets, tangents, facets, target_of, points, triangles, around, around_starts, bounds, top, area, steep_area }
+        Self { drop, targets, tangents, facets, target_of, mesh, around, around_starts, bounds, top, area, steep_area }
     }
 
     /// The facet of a target in the mesh.
@@ -139,11 +136,11 @@ impl Workpiece {
     pub(super) fn finished_by(&self, touch: &Touch) -> Option<usize> {
         let shared: Vec<u32> = match touch.feature {
             Feature::Inside => return self.target_of(touch.facet),
-            Feature::Vertex(corner) => self.facets_around(self.triangles[touch.facet as usize][usize::from(corner)]).to_vec(),
+            Feature::Vertex(corner) => self.facets_around(self.mesh.triangles()[touch.facet as usize][usize::from(corner)]).to_vec(),
             Feature::Edge(_) => self.facets_beside(self.edge_of(touch)),
         };
         let is_inner = match touch.feature {
-            Feature::Vertex(corner) => !self.is_on_border(self.triangles[touch.facet as usize][usize::from(corner)], &shared),
+            Feature::Vertex(corner) => !self.is_on_border(self.mesh.triangles()[touch.facet as usize][usize::from(corner)], &shared),
             _ => shared.len() > 1,
         };
         if is_inner && shared.iter().all(|facet| self.target_of[*facet as usize] != NONE) {
@@ -159,31 +156,31 @@ impl Workpiece {
 
     /// The ends of the edge that a contact touches.
     fn edge_of(&self, touch: &Touch) -> [u32; 2] {
-        let triangle = self.triangles[touch.facet as usize];
+        let triangle = self.mesh.triangles()[touch.facet as usize];
         let first = if let Feature::Edge(first) = touch.feature { usize::from(first) } else { 0 };
         [triangle[first], triangle[(first + 1) % 3]]
     }
 
     /// The corners of a facet.
     pub(super) fn corners_of(&self, facet: u32) -> [Vector3<f64>; 3] {
-        self.triangles[facet as usize].map(|corner| self.points[corner as usize].into())
+        self.mesh.corners(facet as usize).map(Vector3::from)
     }
 
     /// The facet on the other side of the edge that begins at a corner; `None` if there are none or several.
     pub(super) fn neighbour_of(&self, facet: u32, first: usize) -> Option<u32> {
-        let corners = self.triangles[facet as usize];
+        let corners = self.mesh.triangles()[facet as usize];
         let mut beside = self.facets_beside([corners[first], corners[(first + 1) % 3]]).into_iter().filter(|other| *other != facet);
         beside.next().filter(|_| beside.next().is_none())
     }
 
     fn facets_beside(&self, [a, b]: [u32; 2]) -> Vec<u32> {
-        self.facets_around(a).iter().filter(|facet| self.triangles[**facet as usize].contains(&b)).copied().collect()
+        self.facets_around(a).iter().filter(|facet| self.mesh.triangles()[**facet as usize].contains(&b)).copied().collect()
     }
 
     /// Whether a point with these facets around it is on an edge that belongs to one facet only.
     fn is_on_border(&self, point: u32, around: &[u32]) -> bool {
         let mut others: Vec<u32> =
-            around.iter().flat_map(|facet| self.triangles[*facet as usize]).filter(|corner| *corner != point).collect();
+            around.iter().flat_map(|facet| self.mesh.triangles()[*facet as usize]).filter(|corner| *corner != point).collect();
         others.sort_unstable();
         others.chunk_by(|a, b| a == b).any(|same| same.len() == 1)
     }

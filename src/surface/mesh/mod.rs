@@ -132,6 +132,17 @@ impl Mesh {
         Self { points, triangles, bounds, degenerate, merged_cell, from_points, order: None }
     }
 
+    /// Appends the facets of another mesh; they have no place in the order of the file.
+    ///
+    /// # Panics
+    /// Never: the bounds on facets keep the numbers of points within 32 bits.
+    pub fn append(&mut self, other: &Self) {
+        let shift = u32::try_from(self.points.len()).expect("points are numbered with 32 bits");
+        self.points.extend_from_slice(&other.points);
+        self.triangles.extend(other.triangles.iter().map(|corners| corners.map(|corner| corner + shift)));
+        other.points.iter().for_each(|point| self.bounds.include(*point));
+    }
+
     /// The number of triangles and points.
     #[must_use]
     pub fn size(&self) -> MeshSize {
