@@ -23,6 +23,6 @@ pub use drop_cutter::{DropCutter, Feature, Touch};
 pub use feeds::{LargestFeeds, Passage, Valley, WithMarks, smooth};
 pub use finish::{Finish, OVER, Residual, Share, Spot, deepest_cut};
 pub use milled::{Left, Milled, Move, MoveKind};
-pub use places::{EdgedFacet, ON_EDGES, Place, Places, places_on_edges};
+pub use places::{ON_EDGES, Place, Places, places_for_cuts};
 pub use standing::{Reach, Standing};
 pub use tip_line::{Sampling, Tip, tips_between};

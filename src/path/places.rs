@@ -57,28 +57,19 @@ impl Places {
         Self { inside, for_cuts: Vec::new(), area: total }
     }
 
-    /// With places for cuts into the part: about `count` on the corners and edges of these facets, and as many on the edges and inside
-    /// of the others of the mesh.
-    #[must_use]
-    pub fn with_cuts(self, mesh: &Mesh, facets: &[u32], count: usize) -> Self {
-        let mut is_other = vec![true; mesh.size().facets];
-        facets.iter().for_each(|facet| is_other[*facet as usize] = false);
-        let others: Vec<u32> = (0..).zip(is_other).filter_map(|(facet, is_other)| is_other.then_some(facet)).collect();
-        let on_edges = |facets: &[u32]| places_on_edges(facets.iter().filter_map(|facet| edged(mesh, *facet)), count);
-        let inside_others = Self::draw(mesh, &others, count, 1).inside;
-        Self { for_cuts: [on_edges(facets), on_edges(&others), inside_others].concat(), ..self }
-    }
-
     /// Those of the places that are seen from above.
     #[must_use]
     pub fn seen_from_above(self, drop: &DropCutter) -> Self {
-        let those = |places: Vec<Place>, is_seen: fn(&DropCutter, &Place) -> bool| -> Vec<Place> {
-            places.into_par_iter().with_min_len(64).filter(|place| is_seen(drop, place)).collect()
-        };
         let drawn = self.inside.len().max(1);
-        let inside = those(self.inside, |drop, place| drop.is_seen(place.point));
+        let inside: Vec<Place> = self.inside.into_par_iter().with_min_len(64).filter(|place| drop.is_seen(place.point)).collect();
         let area = self.area * inside.len() as f64 / drawn as f64;
-        Self { inside, for_cuts: those(self.for_cuts, is_seen_beside), area }
+        Self { inside, area, ..self }
+    }
+
+    /// With [`places_for_cuts`].
+    #[must_use]
+    pub fn with_cuts(self, mesh: &Mesh, facets: &[u32], drop: &DropCutter, count: usize) -> Self {
+        Self { for_cuts: places_for_cuts(mesh, facets, drop, count), ..self }
     }
 
     /// The places inside facets, each of which stands for the same area.
@@ -92,6 +83,21 @@ impl Places {
     pub fn area(&self) -> f64 {
         self.area
     }
+}
+
+/// Places for cuts into the part that are seen from above: about `count` on the corners and edges of these facets, as many on those of
+/// the others of the mesh, and as many inside the others.
+#[must_use]
+pub fn places_for_cuts(mesh: &Mesh, facets: &[u32], drop: &DropCutter, count: usize) -> Vec<Place> {
+    let mut is_other = vec![true; mesh.size().facets];
+    for facet in facets {
+        is_other[*facet as usize] = false;
+    }
+    let others: Vec<u32> = (0..).zip(is_other).filter_map(|(facet, is_other)| is_other.then_some(facet)).collect();
+    let on_edges = |facets: &[u32]| places_on_edges(facets.iter().filter_map(|facet| edged(mesh, *facet)), count);
+    let inside_others = Places::draw(mesh, &others, count, 1).inside;
+    let all = [on_edges(facets), on_edges(&others), inside_others].concat();
+    all.into_par_iter().with_min_len(64).filter(|place| is_seen_beside(drop, place)).collect()
 }
 
 /// A facet with its normal on the upper side; `None` for one without area.
@@ -164,19 +170,16 @@ fn inside_facet(corners: [[f64; 3]; 3], share: f64, parts: f64, random: &mut Ran
 
 /// A facet on whose edges places are wanted.
 #[derive(Debug, Clone, Copy)]
-pub struct EdgedFacet {
-    /// The index of the facet in its mesh.
-    pub facet: u32,
-    /// Its corners in mm.
-    pub corners: [[f64; 3]; 3],
+struct EdgedFacet {
+    facet: u32,
+    corners: [[f64; 3]; 3],
     /// Its unit normal on the upper side.
-    pub normal: [f64; 3],
+    normal: [f64; 3],
 }
 
 /// About `count` places on edges: corners of the facets, evenly of all if they are many, and else places between them as well.
 /// Sharp points and edges are cut deepest, and few random places are near them.
-#[must_use]
-pub fn places_on_edges(facets: impl Iterator<Item = EdgedFacet> + Clone, count: usize) -> Vec<Place> {
+fn places_on_edges(facets: impl Iterator<Item = EdgedFacet> + Clone, count: usize) -> Vec<Place> {
     let edges = facets.clone().flat_map(|EdgedFacet { facet, corners, normal }| {
         [0, 1, 2].map(|first| (Place { point: corners[first], normal, facet }, corners[(first + 1) % 3]))
     });

@@ -294,9 +294,9 @@ fn the_finish_of_a_stepped_plate_is_that_of_its_geometry() {
         }
     }
     let milled = milled(&Profile::torus(radius, radius), &moves);
-    let places = Places::draw(&mesh, &level_facets(&mesh), 40_000, 1).with_cuts(&mesh, &level_facets(&mesh), 10_000);
-    assert_relative_eq!(places.area(), 900.0, epsilon = 1e-9);
     let drop = DropCutter::of_mesh(&mesh, &|| false);
+    let places = Places::draw(&mesh, &level_facets(&mesh), 40_000, 1).with_cuts(&mesh, &level_facets(&mesh), &drop, 10_000);
+    assert_relative_eq!(places.area(), 900.0, epsilon = 1e-9);
     let tolerance = 0.011;
     let profiles = [Profile::torus(radius, radius)];
     let reach = Reach::new(&profiles, &drop, &places, tolerance);
@@ -326,8 +326,8 @@ fn the_deepest_gouge_is_at_the_edge_that_a_chord_cuts_off() {
     moves.push(cut(Vector3::new(16.0, 10.3, 3.95), Vector3::new(9.0, 10.3, 3.6)));
     let profile = Profile::torus(3.0, 3.0);
     let milled = milled(&profile, &moves);
-    let places = Places::draw(&mesh, &level_facets(&mesh), 2000, 3).with_cuts(&mesh, &level_facets(&mesh), 500);
     let drop = DropCutter::of_mesh(&mesh, &|| false);
+    let places = Places::draw(&mesh, &level_facets(&mesh), 2000, 3).with_cuts(&mesh, &level_facets(&mesh), &drop, 500);
     let profiles = [profile];
     let reach = Reach::new(&profiles, &drop, &places, 0.01);
     let finish = Finish::new(&milled, &mesh, &places, &reach, 0.01, &|| false).unwrap();
@@ -354,8 +354,8 @@ fn the_deepest_gouge_is_at_the_point_of_a_small_pyramid_that_a_pass_cuts_off() {
     let profile = Profile::torus(3.0, 1.0);
     let milled = milled(&profile, &[cut(Vector3::new(0.0, 15.3, 0.198), Vector3::new(30.0, 15.3, 0.198))]);
     let facets: Vec<u32> = (0..12).collect();
-    let places = Places::draw(&mesh, &facets, 1000, 1).with_cuts(&mesh, &facets, 100);
     let drop = DropCutter::of_mesh(&mesh, &|| false);
+    let places = Places::draw(&mesh, &facets, 1000, 1).with_cuts(&mesh, &facets, &drop, 100);
     let profiles = [profile];
     let finish = Finish::new(&milled, &mesh, &places, &Reach::new(&profiles, &drop, &places, 0.01), 0.01, &|| false).unwrap();
     let gouge = finish.gouge.unwrap();
@@ -368,8 +368,8 @@ fn the_deepest_gouge_is_at_the_point_of_a_small_pyramid_that_a_pass_cuts_off() {
 #[test]
 fn a_stopped_computation_has_no_result() {
     let mesh = step_in_a_plate();
-    let places = Places::draw(&mesh, &level_facets(&mesh), 1000, 3).with_cuts(&mesh, &level_facets(&mesh), 500);
     let drop = DropCutter::of_mesh(&mesh, &|| false);
+    let places = Places::draw(&mesh, &level_facets(&mesh), 1000, 3).with_cuts(&mesh, &level_facets(&mesh), &drop, 500);
     let profile = Profile::torus(3.0, 3.0);
     let profiles = [profile];
     let reach = Reach::new(&profiles, &drop, &places, 0.01);

@@ -208,7 +208,7 @@ impl PathToCheck {
         let mesh = self.with_avoided.as_ref().unwrap_or(&self.surface.mesh);
         let tolerance = self.tolerance.mm();
         let drop = DropCutter::of_mesh(mesh, stop);
-        let places = Places::draw(mesh, &machined, PLACES, 1).with_cuts(mesh, &machined, ON_EDGES).seen_from_above(&drop);
+        let places = Places::draw(mesh, &machined, PLACES, 1).seen_from_above(&drop).with_cuts(mesh, &machined, &drop, ON_EDGES);
         let reach = Reach::new(&profiles, &drop, &places, tolerance);
         let finish = Finish::new(&milled, mesh, &places, &reach, tolerance, stop)?;
         let fewer: Vec<Place> = places.inside().iter().step_by(FEWER).copied().collect();

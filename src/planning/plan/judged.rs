@@ -4,7 +4,7 @@ use super::family::{Allowed, Family};
 use super::spacing::Prepared;
 use super::stations::{AT_ONCE, Station};
 use super::workpiece::Workpiece;
-use crate::path::{self, EdgedFacet, Milled, ON_EDGES, Place, places_on_edges};
+use crate::path::{self, Milled, Place};
 use crate::quantity::Length;
 use rayon::prelude::*;
 
@@ -268,16 +268,11 @@ pub(super) fn respace(
     }
 }
 
-/// The deepest cut in mm of a path into the part: at the stations, at corners and edges of facets, and where these lead to on their
-/// facets.
-pub(super) fn deepest_cut(workpiece: &Workpiece, stations: &[Station], judged: &[Judged], milled: &Milled) -> f64 {
-    let at_stations = stations.iter().zip(judged).filter_map(|(station, judged)| Some((station.place.on(workpiece), judged.left?)));
-    let targets = (0..).zip(&workpiece.targets);
-    let edged =
-        targets.map(|(index, target)| EdgedFacet { facet: workpiece.facet_of(index), corners: target.corners, normal: target.normal });
-    let at_edge = |place: Place| milled.left_at(place.point, place.normal).map(|left| (place, left.height));
-    let on_edges = places_on_edges(edged, ON_EDGES).into_par_iter().with_max_len(AT_ONCE);
-    let at_edges: Vec<(Place, f64)> = on_edges.filter_map(at_edge).collect();
+/// The deepest cut in mm of a path into the part: at the stations, at places for cuts on all facets, and where these lead to on their facets.
+pub(super) fn deepest_cut(workpiece: &Workpiece, stations: &[Station], milled: &Milled) -> f64 {
+    let places: Vec<Place> = stations.iter().map(|station| station.place.on(workpiece)).chain(workpiece.places_for_cuts()).collect();
+    let cut = |place: Place| milled.left_at(place.point, place.normal).map(|left| (place, left.height));
+    let cuts: Vec<(Place, f64)> = places.into_par_iter().with_max_len(AT_ONCE).filter_map(cut).collect();
     let corners_of = |facet: u32| workpiece.corners_of(facet).map(Into::into);
-    path::deepest_cut(milled, &corners_of, at_stations.chain(at_edges)).map_or(0.0, |spot| -spot.left.height)
+    path::deepest_cut(milled, &corners_of, cuts.into_iter()).map_or(0.0, |spot| -spot.left.height)
 }

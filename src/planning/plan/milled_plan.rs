@@ -14,7 +14,7 @@ use super::stations::{Cells, Region, Set, Station};
 use super::tour::{Order, Tour};
 use super::workpiece::Workpiece;
 use crate::milling::Profile;
-use crate::path::{Milled, Move, Sampling};
+use crate::path::{Milled, Move, MoveKind, Sampling};
 use crate::quantity::Length;
 use std::cell::Cell;
 use std::f64::consts::PI;
@@ -385,8 +385,10 @@ impl Planner<'_> {
     /// A plan that was measured at these stations, with its deepest cut, and without its runs, which only further plans need.
     fn with_deepest_cut(&self, stations: &[Station], mut plan: MilledPlan) -> Result<MilledPlan, NoPlan> {
         let Self { workpiece, prepared, stop, .. } = *self;
-        let milled = Milled::new(&prepared.profile, &plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
-        let deepest = deepest_cut(workpiece, stations, &plan.judged, &milled);
+        // Rapids too are to cut nothing.
+        let moves: Vec<Move> = plan.tour.moves().into_iter().map(|each| Move { kind: MoveKind::Cut, ..each }).collect();
+        let milled = Milled::new(&prepared.profile, &moves, stop).ok_or(NoPlan::Stopped)?;
+        let deepest = deepest_cut(workpiece, stations, &milled);
         plan.finish.gouge = Length::computed(deepest.max(plan.finish.gouge.mm()));
         plan.runs = Vec::new();
         Ok(plan)

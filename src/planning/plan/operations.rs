@@ -3,7 +3,7 @@
 use super::candidate_plan::{CandidatePlan, MilledFigures, PlannedPath};
 use super::estimate::{least_seconds, seconds};
 use super::family::{Family, Heading};
-use super::judged::{FinishFigures, Judged, KEPT, deepest_cut, judged};
+use super::judged::{FinishFigures, Judged, KEPT, judged};
 use super::milled_plan::{MOST_WITH_OPERATIONS, NoPlan, Planner};
 use super::settings::{CandidateCutter, Pattern, PlanSettings};
 use super::spacing::{Prepared, rows_of};
@@ -387,14 +387,12 @@ impl Arranged<'_> {
             }
         }
         let mut all: Option<(Vec<Station>, Vec<Judged>)> = None;
-        let mut deepest: f64 = 0.0;
         for (operation, planned) in operations.iter().zip(&arrangement.operations) {
             let prepared = &tools[planned.tool].prepared;
             let height = settings.scallop_height.mm();
             let on = stations(workpiece, &prepared.profile, unseen, height, stop);
             let milled = Milled::new(&prepared.profile, &operation.path.plan.tour.moves(), stop).ok_or(NoPlan::Stopped)?;
             let judged = judged(workpiece, &on, prepared, &operation.path.plan.family, &milled, height, stop).ok_or(NoPlan::Stopped)?;
-            deepest = deepest.max(operation.figures.finish.gouge.mm()).max(deepest_cut(workpiece, &on, &judged, &milled));
             // A place counts as reached if an operation that machines it reaches it.
             let lift = |station: Station| {
                 let is_machined = workpiece.is_sloped(station.place.target, planned.slopes);
@@ -410,7 +408,10 @@ impl Arranged<'_> {
             });
         }
         let (on, judged) = all.ok_or(NoPlan::NoRuns)?;
-        let finish = FinishFigures { gouge: Length::computed(deepest), ..FinishFigures::of(&on, &judged, settings.scallop_height.mm()) };
+        let mut finish = FinishFigures::of(&on, &judged, settings.scallop_height.mm());
+        // Each operation was looked at on the whole part.
+        let deepest = operations.iter().map(|operation| operation.figures.finish.gouge.mm()).fold(finish.gouge.mm(), f64::max);
+        finish.gouge = Length::computed(deepest);
         Ok(OperationsPlan { operations, tool_changes: arrangement.tool_changes(), time: Time::computed(seconds), finish })
     }
 

@@ -2,7 +2,7 @@
 //! tightest hollows.
 
 use super::tangent::Tangent;
-use crate::path::{DropCutter, Feature, Touch};
+use crate::path::{DropCutter, Feature, ON_EDGES, Place, Touch, places_for_cuts};
 use crate::quantity::{Angle, Area, Length};
 use crate::surface::mesh::{FacetClass, Visibility};
 use crate::surface::{FinishFacet, Mesh};
@@ -96,6 +96,11 @@ impl Workpiece {
         let top = points.iter().map(|point| point[2]).fold(f64::NEG_INFINITY, f64::max);
         let tangents = targets.iter().map(Tangent::of).collect();
         Self { drop, targets, tangents, facets, target_of, mesh, around, around_starts, bounds, top, area, steep_area }
+    }
+
+    /// Places on all facets at which cuts into the part are looked for.
+    pub(super) fn places_for_cuts(&self) -> Vec<Place> {
+        places_for_cuts(&self.mesh, &self.facets, &self.drop, ON_EDGES)
     }
 
     /// The facet of a target in the mesh.
