@@ -440,13 +440,16 @@ def path_with_feeds(client, path, faces, cutter, scallop_tolerance_mm, **paramet
 # The check of a path
 
 
-def path_checked(client, path, faces, cutter, scallop_tolerance_mm, machine, **parameters):
-    """What the path leaves on the faces, and the path with the largest feeds that keep the scallop height with tooth marks.
+def path_checked(client, path, faces, cutter, scallop_tolerance_mm, machine, beside=(), **parameters):
+    """What the path leaves on the faces, and the path with the largest feeds that keep the scallop height with tooth marks. Cuts into the
+    faces `beside` them are found too.
 
     The answer is that of `Client.check_path`; the `line` of a place is the number of the path's command, from 1. A cutter without
     teeth and spindle speed has no feeds: the path is then returned as it is.
     """
     surface = {"mesh": mesh_of(faces, scallop_tolerance_mm / 4)}
+    if beside:
+        parameters["avoid"] = {"mesh": mesh_of(beside, scallop_tolerance_mm / 4)}
     program = "\n".join(block_of(command) for command in path.Commands)
     has_teeth = {"teeth", "spindle_speed_rpm"} <= set(cutter)
     include = ["places", "feeds"] if has_teeth else ["places"]

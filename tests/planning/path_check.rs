@@ -2,9 +2,10 @@
 
 use crate::app::{TestApp, figure};
 use crate::planning::plan::parts::steps;
+use crate::planning::plan::surfaces::Facet;
 use crate::planning::solids::mesh;
 use crate::planning::with;
-use crate::writers::binary_stl;
+use crate::writers::{ascii_stl, binary_stl};
 use approx::assert_relative_eq;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -184,6 +185,78 @@ async fn each_operation_of_a_plan_has_its_cutter_from_the_clearance_height_on() 
     let check = json!({"path": {"passes": plan["passes"]}, "cutters": {"0": cutters[0], "1": cutters[1]}});
     let answer = app.answer(PATH_CHECK, &with(with(pocket(), machine), check)).await;
     assert!(figure(&answer, "/gouge/depth_mm") < 0.001 && figure(&answer, "/gouge/rapid_depth_mm") < 1e-9, "{:#}", answer["gouge"]);
+}
+
+/// A floor of 25 x 20 mm, and beside it a block 8 mm high.
+fn block_beside_a_floor() -> Vec<Facet> {
+    steps(&[0.0, 25.0, 40.0], &[0.0, 20.0], &[&[0.0], &[8.0]])
+}
+
+/// A flat cutter of 6 mm goes 0.5 mm into the block's wall, and up again.
+fn into_the_wall() -> Value {
+    let cutter =
+        json!({"cutter": {"type": "flat_end", "diameter_mm": 6}, "scallop_tolerance_mm": 0.01, "machine": {"preset": "five_axis_vmc"}});
+    let tips = json!([[10, -8, 20], [10, -8, 0], [10, 10, 0], [22.5, 10, 0], [22.5, 10, 20]]);
+    with(cutter, json!({"path": {"tip_mm": tips, "rapid": [0, 4]}}))
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn cuts_into_what_is_not_selected_are_found() {
+    let app = TestApp::start().await;
+    let facets = block_beside_a_floor();
+    // The floor alone or everything, with and without the block's top.
+    let floor = json!({"select": {"slope_deg": [0, 1], "box_mm": {"min": [-1, -1, -1], "max": [24.9, 21, 1]}}});
+    let below_the_top: Vec<Facet> = facets.iter().copied().filter(|facet| facet.iter().any(|corner| corner[2] < 4.0)).collect();
+    assert!(below_the_top.len() < facets.len());
+    for (part, select) in [(&facets, floor.clone()), (&facets, json!({})), (&below_the_top, floor), (&below_the_top, json!({}))] {
+        let answer = app.answer(PATH_CHECK, &with(with(mesh(part), into_the_wall()), select.clone())).await;
+        assert_relative_eq!(figure(&answer, "/gouge/depth_mm"), 0.5, epsilon = 1e-4);
+        assert_relative_eq!(figure(&answer, "/gouge/rapid_depth_mm"), 0.5, epsilon = 1e-4);
+        let codes: Vec<&Value> = answer["places"].as_array().unwrap().iter().map(|place| &place["code"]).collect();
+        assert!(codes.contains(&&json!("gouge")) && codes.contains(&&json!("collision")), "{select}: {codes:?}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn cuts_into_a_surface_to_avoid_are_found_and_what_it_covers_is_not_judged() {
+    let app = TestApp::start().await;
+    let (block, floor): (Vec<Facet>, Vec<Facet>) =
+        block_beside_a_floor().into_iter().partition(|facet| facet.iter().any(|corner| corner[2] > 4.0));
+    let request = with(mesh(&floor), into_the_wall());
+    let alone = app.answer(PATH_CHECK, &request).await;
+    assert!(figure(&alone, "/gouge/depth_mm") < 1e-9 && figure(&alone, "/gouge/rapid_depth_mm") < 1e-9);
+    // The block, and a clamp over a fifth of the floor.
+    let clamp = steps(&[0.0, 5.0], &[0.0, 20.0], &[&[3.0]]);
+    let avoided = [block, clamp].concat();
+    let avoid = json!({"avoid": mesh(&avoided)["surface"]});
+    let avoiding = app.answer(PATH_CHECK, &with(request, avoid.clone())).await;
+    let finished = |answer: &Value, area: f64| area * (1.0 - figure(answer, "/over_tolerance_share"));
+    assert!((finished(&avoiding, 400.0) - finished(&alone, 500.0)).abs() < 4.0, "{avoiding:#}");
+    // The same as parts of a form.
+    let upload = async |more: Value| {
+        let program = "G21 G90\nG0 X10 Y-8 Z20\nG1 Z0 F1000\nY10\nX22.5\nG0 Z20";
+        let mut parameters = with(into_the_wall(), more);
+        parameters.as_object_mut().unwrap().remove("path");
+        let parts = [("surface", ascii_stl(&floor)), ("avoid", ascii_stl(&avoided)), ("path", program.to_owned())];
+        let parts = parts.into_iter().chain([("parameters", parameters.to_string())]);
+        app.post_parts("/v1/path-check/upload", parts.map(|(name, text)| (name, text.into_bytes()))).await
+    };
+    for answer in [avoiding, upload(json!({"unit": "mm"})).await.ok()] {
+        assert_relative_eq!(figure(&answer, "/gouge/depth_mm"), 0.5, epsilon = 1e-4);
+    }
+    assert_eq!(upload(avoid).await.faults(), (422, vec![("/avoid", "conflicting-fields")]));
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn facets_that_are_seen_from_behind_count_as_turned() {
+    let app = TestApp::start().await;
+    let mut surface = plate();
+    surface["surface"]["mesh"]["triangles"][1].as_array_mut().unwrap().reverse();
+    let path = json!({"path": {"tip_mm": zigzag(0.5)}, "facing": "any"});
+    let [turned, plain] = [&surface, &plate()].map(|surface| with(with(surface.clone(), ball()), path.clone()));
+    let [turned, plain] = [app.answer(PATH_CHECK, &turned).await, app.answer(PATH_CHECK, &plain).await];
+    assert!(figure(&turned, "/uncut_share") <= 0.0, "{turned:#}");
+    assert_relative_eq!(figure(&turned, "/residual_mm/p99"), figure(&plain, "/residual_mm/p99"), max_relative = 0.01);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

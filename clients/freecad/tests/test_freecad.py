@@ -487,6 +487,7 @@ class Macros(unittest.TestCase):
             body = server.received[0].json()
         self.assertEqual(body["include"], ["places", "feeds"])
         self.assertEqual(body["path"]["program"].count("\n"), 8)
+        self.assertTrue(body["avoid"]["mesh"]["triangles"])
         found = self.document.getObject("ExistingChecked").Path.Commands
         self.assertEqual(round(60 * found[2].Parameters["F"]), 1000)
 

@@ -10,7 +10,7 @@ mod published;
 mod random_patches;
 mod ranking;
 mod referee;
-mod surfaces;
+pub(super) mod surfaces;
 
 use scallopd::milling::{Cutter, Model};
 use scallopd::motion::{Machine, Preset};

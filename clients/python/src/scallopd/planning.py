@@ -335,6 +335,7 @@ class PathCheckParameters(TypedDict, total=False):
     unit: str
     facing: str
     select: Selection
+    avoid: Surface
 
 
 class PathPlace(TypedDict, total=False):
