@@ -34,8 +34,6 @@ pub(crate) struct MachinedSurface {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum NoMachinedSurface {
     Mesh(MeshError),
-    /// The surface to avoid has no mesh.
-    Avoided(MeshError),
     Selection(SelectionError),
     NothingToMachine,
 }
@@ -46,7 +44,7 @@ impl NoMachinedSurface {
         match self {
             Self::Mesh(MeshError::NoTriangulation { .. } | MeshError::NothingFromAbove | MeshError::OnlyDegenerateFacets { .. })
             | Self::NothingToMachine => true,
-            Self::Mesh(_) | Self::Avoided(_) | Self::Selection(_) => false,
+            Self::Mesh(_) | Self::Selection(_) => false,
         }
     }
 }
@@ -141,14 +139,13 @@ impl MachinedFacets {
 }
 
 impl MachinedSurface {
-    /// Prepares a surface for plans. `avoid` is a second surface, which is never cut.
+    /// Prepares a surface for plans. The facets of `avoid` are never cut.
     ///
     /// Once `stop` returns true, work ends early, and the result must be discarded.
-    pub(crate) fn new(facets: MachinedFacets, avoid: Option<(MeshBuilder, Unit)>, stop: Stop) -> Result<Self, NoMachinedSurface> {
+    pub(crate) fn new(facets: MachinedFacets, avoid: Option<&Mesh>, stop: Stop) -> Self {
         let MachinedFacets { mesh, visibility, selected, .. } = &facets;
         let view = mesh.seen_from_above(MAP_SIDE, stop);
-        let avoid = avoid.map(|(avoid, unit)| avoid.finish(unit, Facing::Any, stop).map_err(NoMachinedSurface::Avoided)).transpose()?;
-        let workpiece = Workpiece::new(mesh, visibility, selected, avoid.as_ref(), stop);
-        Ok(Self { facets, workpiece, view })
+        let workpiece = Workpiece::new(mesh, visibility, selected, avoid, stop);
+        Self { facets, workpiece, view }
     }
 }

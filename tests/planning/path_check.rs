@@ -232,18 +232,23 @@ async fn cuts_into_a_surface_to_avoid_are_found_and_what_it_covers_is_not_judged
     let avoiding = app.answer(PATH_CHECK, &with(request, avoid.clone())).await;
     let finished = |answer: &Value, area: f64| area * (1.0 - figure(answer, "/over_tolerance_share"));
     assert!((finished(&avoiding, 400.0) - finished(&alone, 500.0)).abs() < 4.0, "{avoiding:#}");
-    // The same as parts of a form.
+    // The same as parts of a form, with a facet of it twice.
+    let twice = [avoided.clone(), vec![avoided[0]]].concat();
     let upload = async |more: Value| {
         let program = "G21 G90\nG0 X10 Y-8 Z20\nG1 Z0 F1000\nY10\nX22.5\nG0 Z20";
         let mut parameters = with(into_the_wall(), more);
         parameters.as_object_mut().unwrap().remove("path");
-        let parts = [("surface", ascii_stl(&floor)), ("avoid", ascii_stl(&avoided)), ("path", program.to_owned())];
+        let parts = [("surface", ascii_stl(&floor)), ("avoid", ascii_stl(&twice)), ("path", program.to_owned())];
         let parts = parts.into_iter().chain([("parameters", parameters.to_string())]);
         app.post_parts("/v1/path-check/upload", parts.map(|(name, text)| (name, text.into_bytes()))).await
     };
-    for answer in [avoiding, upload(json!({"unit": "mm"})).await.ok()] {
-        assert_relative_eq!(figure(&answer, "/gouge/depth_mm"), 0.5, epsilon = 1e-4);
+    let uploaded = upload(json!({"unit": "mm"})).await.ok();
+    for answer in [&avoiding, &uploaded] {
+        assert_relative_eq!(figure(answer, "/gouge/depth_mm"), 0.5, epsilon = 1e-4);
     }
+    let warned = &uploaded["warnings"][0];
+    assert_eq!(warned["code"], "duplicate-facets");
+    assert!(warned["detail"].as_str().unwrap().starts_with("avoid: "), "{warned}");
     assert_eq!(upload(avoid).await.faults(), (422, vec![("/avoid", "conflicting-fields")]));
 }
 

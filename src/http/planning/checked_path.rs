@@ -6,7 +6,7 @@ use super::parameters::{AVOID, DEFAULT_MAX_SLOPE, FACING, MAX_SLOPE, SELECT};
 use super::path_feeds::{FeedsAnswer, PathMoves};
 use super::path_object::{CuttersByNumber, PATH, PATH_CUTTER, PATH_CUTTERS, PathCutters, StatedPath};
 use super::program::ProgramAnswer;
-use super::surface_answer::report;
+use super::surface_answer::{avoided_mesh, merged, report};
 use super::upload::given_once;
 use crate::cancellation::CancelFlag;
 use crate::http::codes::RequestFault;
@@ -22,7 +22,7 @@ use crate::path::{
     DropCutter, Finding, FindingKind, Finish, Left, Milled, Move, ON_EDGES, Passage, PathLengths, Place, Places, Reach, Residual,
     WithMarks, findings, idle_length,
 };
-use crate::planning::machined_surface::{MachinedFacets, NoMachinedSurface, Stop};
+use crate::planning::machined_surface::{MachinedFacets, Stop};
 use crate::planning::{Confidence, PathEvidence};
 use crate::quantity::{Angle, Length};
 use crate::surface::{Facing, Mesh, ReceivedSurface, Unit};
@@ -153,21 +153,17 @@ impl PathToCheck {
         let requested = unit?;
         let unit = surface.unit_of(requested, faults)?;
         let shape = surface.surface.sampled.shape(unit, facing);
-        let warnings = shape.map_or_else(|_| Vec::new(), |shape| surface.warnings(&shape));
+        let mut warnings = shape.map_or_else(|_| Vec::new(), |shape| surface.warnings(&shape));
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, .. } = surface;
+        let avoid = avoid.map(|avoid| avoided_mesh(avoid, requested, &mut warnings, faults, &stop)).transpose();
         let surface = MachinedFacets::new(mesh, unit, facing, &selection, max_slope, &stop);
         let surface = surface.map_err(|reason| report(reason, &at, faults))?;
-        let with_avoided = match avoid {
-            Some(avoid) => {
-                let unit = avoid.unit_of(requested, faults)?;
-                let avoid = avoid.surface.mesh.finish(unit, Facing::Any, &stop);
-                let avoid = avoid.map_err(|error| report(NoMachinedSurface::Avoided(error), &at, faults))?;
-                let mut whole = surface.mesh.clone();
-                whole.append(&avoid);
-                Some(whole)
-            }
-            None => None,
-        };
+        warnings.extend(merged(&surface.mesh));
+        let with_avoided = avoid?.map(|avoid| {
+            let mut whole = surface.mesh.clone();
+            whole.append(&avoid);
+            whole
+        });
         let ((cutters, mut path), machine, tolerance) = (path?, machine?, tolerance?.height);
         let (origin, is_centre) = (origin?.unwrap_or_default(), tip? == Some(TipPoint::Centre));
         for ProgramPoint { point, tool, .. } in &mut path.program.points {

@@ -7,7 +7,7 @@ use super::map::MapCells;
 use super::parameters::{AnswerPart, FACING, MAX_SLOPE, Method, Parameters, REST_OF, SELECT, unused};
 use super::plan_answer::{PassesAnswer, PlanAnswer, Simulation, passes_of_best};
 use super::program::ProgramAnswer;
-use super::surface_answer::{SurfaceAnswer, UnitDoubt, report};
+use super::surface_answer::{SurfaceAnswer, UnitDoubt, avoided_mesh, merged, report};
 use crate::http::codes::{NotRankedCode, RequestFault, WarningCode};
 use crate::http::problem::Problem;
 use crate::http::reading::{Faulted, Faults, JsonPath};
@@ -72,15 +72,16 @@ impl Task {
         }
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, source, .. } = sourced;
         let avoid = parameters.avoid.take();
-        let avoid = avoid.map(|avoid| avoid.unit_of(parameters.unit, faults).map(|unit| (avoid.surface.mesh, unit))).transpose()?;
+        let avoid = avoid.map(|avoid| avoided_mesh(avoid, parameters.unit, &mut warnings, faults, stop)).transpose();
         let Parameters { facing, ref selection, max_slope, method, .. } = parameters;
-        let facets = MachinedFacets::new(mesh, unit, facing, selection, max_slope, stop);
-        let machined = match facets.and_then(|facets| MachinedSurface::new(facets, avoid, stop)) {
-            Ok(machined) => Some(machined),
+        let facets = match MachinedFacets::new(mesh, unit, facing, selection, max_slope, stop) {
+            Ok(facets) => Some(facets),
             // Without facets, method `rectangle` has an answer, but with less evidence.
             Err(reason) if method == Method::Rectangle && reason.is_sound() => None,
             Err(reason) => return Err(report(reason, path, faults)),
         };
+        let avoid = avoid?;
+        let machined = facets.map(|facets| MachinedSurface::new(facets, avoid.as_ref(), stop));
         if machined.is_none() && parameters.states_facets {
             warnings.push(unused(format_args!("{} or {}", SELECT.name, MAX_SLOPE.name), "because no facets are seen from above"));
         }
@@ -89,12 +90,7 @@ impl Task {
             Some(machined) => machined.facets.selected_shape(facing).map_err(|error| faults.add(path, shape_code(error), error))?,
             None => shape,
         };
-        if let Some(cell) = machined.as_ref().and_then(|machined| machined.facets.mesh.merged_cell()) {
-            let detail = format!(
-                "the surface has more facets or points than the service stores; it was merged on a raster with cells of {cell:.6} mm"
-            );
-            warnings.push(Warning::new(WarningCode::FacetsMerged, detail));
-        }
+        warnings.extend(machined.as_ref().and_then(|machined| merged(&machined.facets.mesh)));
         if method == Method::Rectangle {
             // The sides of the rectangle do not depend on the cutter.
             let settings = parameters.settings(&shape, parameters.model());

@@ -4,10 +4,10 @@ use super::candidates::line_degrees;
 use super::parameters::{AVOID, SELECT};
 use crate::http::codes::{RequestFault, WarningCode};
 use crate::http::reading::{Faulted, Faults, JsonPath};
-use crate::http::wire::{FACETS_NAME, PIECES_NAME, Source, UNIT, Warning, answer};
-use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface};
+use crate::http::wire::{FACETS_NAME, PIECES_NAME, Source, SurfaceWithSource, UNIT, Warning, answer};
+use crate::planning::machined_surface::{MachinedSurface, NoMachinedSurface, Stop};
 use crate::quantity::{Angle, Area};
-use crate::surface::{Basis, MeshError, Shape, Unit};
+use crate::surface::{Basis, Facing, Mesh, MeshError, Shape, Unit};
 
 answer! {
     /// The shape of a surface. Directions are lines seen from above, from +X counter-clockwise, in [0, 180).
@@ -85,7 +85,6 @@ fn facets(shape: &Shape, machined: Option<&MachinedSurface>) -> u64 {
 pub(super) fn report(reason: NoMachinedSurface, path: &JsonPath<'_>, faults: &mut Faults) -> Faulted {
     match reason {
         NoMachinedSurface::Mesh(error) => faults.add(path, mesh_code(error), error),
-        NoMachinedSurface::Avoided(error) => faults.add(&JsonPath::Root.member(AVOID.name), mesh_code(error), error),
         NoMachinedSurface::Selection(error) => {
             let select = JsonPath::Root.member(SELECT.name);
             let member = if error.is_about_facets() { FACETS_NAME } else { PIECES_NAME };
@@ -96,6 +95,32 @@ pub(super) fn report(reason: NoMachinedSurface, path: &JsonPath<'_>, faults: &mu
             faults.add(path, RequestFault::NothingToMachine, detail)
         }
     }
+}
+
+/// The facets of a surface to avoid; `requested` is the unit of the request. Its warnings name it.
+pub(super) fn avoided_mesh(
+    avoid: SurfaceWithSource,
+    requested: Option<Unit>,
+    warnings: &mut Vec<Warning>,
+    faults: &mut Faults,
+    stop: Stop,
+) -> Result<Mesh, Faulted> {
+    let unit = avoid.unit_of(requested, faults)?;
+    let shape = avoid.surface.sampled.shape(unit, Facing::Any);
+    let of_file = shape.map_or_else(|_| Vec::new(), |shape| avoid.warnings(&shape));
+    let mesh = avoid.surface.mesh.finish(unit, Facing::Any, stop);
+    let mesh = mesh.map_err(|error| faults.add(&JsonPath::Root.member(AVOID.name), mesh_code(error), error))?;
+    let all = of_file.into_iter().chain(merged(&mesh));
+    warnings.extend(all.map(|warning| Warning { detail: format!("{}: {}", AVOID.name, warning.detail), ..warning }));
+    Ok(mesh)
+}
+
+/// The warning about a mesh that was merged because it is too large.
+pub(super) fn merged(mesh: &Mesh) -> Option<Warning> {
+    let cell = mesh.merged_cell()?;
+    let detail =
+        format!("the surface has more facets or points than the service stores; it was merged on a raster with cells of {cell:.6} mm");
+    Some(Warning::new(WarningCode::FacetsMerged, detail))
 }
 
 fn mesh_code(error: MeshError) -> RequestFault {
