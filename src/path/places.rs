@@ -51,7 +51,7 @@ impl Places {
         let area = |facet: u32| mesh.normal_and_area(facet as usize).1;
         let mut inside = Vec::with_capacity(count);
         let total = strata(&facets, area, count, &mut random, |facet, share, parts, random| {
-            let Some(EdgedFacet { corners, normal, .. }) = edged(mesh, facet) else { return };
+            let Some(UpperSide { corners, normal, .. }) = upper_side(mesh, facet) else { return };
             inside.push(Place { point: inside_facet(corners, share, parts, random), normal, facet });
         });
         Self { inside, for_cuts: Vec::new(), area: total }
@@ -94,17 +94,17 @@ pub fn places_for_cuts(mesh: &Mesh, facets: &[u32], drop: &DropCutter, count: us
         is_other[*facet as usize] = false;
     }
     let others: Vec<u32> = (0..).zip(is_other).filter_map(|(facet, is_other)| is_other.then_some(facet)).collect();
-    let on_edges = |facets: &[u32]| places_on_edges(facets.iter().filter_map(|facet| edged(mesh, *facet)), count);
+    let on_edges = |facets: &[u32]| places_on_edges(facets.iter().filter_map(|facet| upper_side(mesh, *facet)), count);
     let inside_others = Places::draw(mesh, &others, count, 1).inside;
     let all = [on_edges(facets), on_edges(&others), inside_others].concat();
     all.into_par_iter().with_min_len(64).filter(|place| is_seen_beside(drop, place)).collect()
 }
 
-/// A facet with its normal on the upper side; `None` for one without area.
-fn edged(mesh: &Mesh, facet: u32) -> Option<EdgedFacet> {
+/// A facet of a mesh; `None` for one without area.
+fn upper_side(mesh: &Mesh, facet: u32) -> Option<UpperSide> {
     let (normal, area) = mesh.normal_and_area(facet as usize);
     let normal = if normal[2] < 0.0 { normal.map(|part| -part) } else { normal };
-    (area > 0.0).then(|| EdgedFacet { facet, corners: mesh.corners(facet as usize), normal })
+    (area > 0.0).then(|| UpperSide { facet, corners: mesh.corners(facet as usize), normal })
 }
 
 /// Whether a place is seen from above on one side of its facet.
@@ -168,19 +168,18 @@ fn inside_facet(corners: [[f64; 3]; 3], share: f64, parts: f64, random: &mut Ran
     mixed(a, mixed(b, c, random.unit()), root)
 }
 
-/// A facet on whose edges places are wanted.
+/// A facet with its normal on the upper side.
 #[derive(Debug, Clone, Copy)]
-struct EdgedFacet {
+struct UpperSide {
     facet: u32,
     corners: [[f64; 3]; 3],
-    /// Its unit normal on the upper side.
     normal: [f64; 3],
 }
 
 /// About `count` places on edges: corners of the facets, evenly of all if they are many, and else places between them as well.
 /// Sharp points and edges are cut deepest, and few random places are near them.
-fn places_on_edges(facets: impl Iterator<Item = EdgedFacet> + Clone, count: usize) -> Vec<Place> {
-    let edges = facets.clone().flat_map(|EdgedFacet { facet, corners, normal }| {
+fn places_on_edges(facets: impl Iterator<Item = UpperSide> + Clone, count: usize) -> Vec<Place> {
+    let edges = facets.clone().flat_map(|UpperSide { facet, corners, normal }| {
         [0, 1, 2].map(|first| (Place { point: corners[first], normal, facet }, corners[(first + 1) % 3]))
     });
     let step = (3 * facets.count()).div_ceil(count).max(1);
@@ -223,7 +222,7 @@ mod tests {
 
     #[test]
     fn each_corner_of_alike_facets_is_among_the_places_on_edges() {
-        let facet = |facet: u32| EdgedFacet { facet, corners: [[0.0; 3], [1.0; 3], [2.0; 3]], normal: [0.0, 0.0, 1.0] };
+        let facet = |facet: u32| UpperSide { facet, corners: [[0.0; 3], [1.0; 3], [2.0; 3]], normal: [0.0, 0.0, 1.0] };
         for (facets, count) in [(10, 100), (30, 30), (40, 20), (100, 20)] {
             let places = places_on_edges((0..facets).map(facet), count);
             assert!(places.len() <= count + 30, "{} of {count}", places.len());

@@ -283,6 +283,14 @@ async fn faults_of_paths_have_their_places() {
         assert_eq!(status, 422, "{path}");
         assert!(faults.contains(&(pointer, code)), "{path}: {faults:?}");
     }
+    // Both surfaces are faulty.
+    let (mut faulty, mut on_a_line) = (plate(), plate());
+    faulty["surface"]["mesh"]["triangles"] = json!([[0, 1, 7]]);
+    on_a_line["surface"]["mesh"]["points"] = json!([[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]);
+    let more = json!({"path": {"tip_mm": [[0, 0, 0], [1, 0, 0]]}, "avoid": on_a_line["surface"]});
+    let answer = app.post(PATH_CHECK, &with(with(faulty, ball()), more)).await;
+    let expected = vec![("/surface/mesh/triangles/0/2", "out-of-range"), ("/avoid", "only-degenerate-facets")];
+    assert_eq!(answer.faults(), (422, expected));
     let answer = app.post_parts("/v1/path-check/upload", [("other", b"x".to_vec())]).await;
     let (status, faults) = answer.faults();
     assert_eq!((status, faults.len()), (422, 4), "{faults:?}");

@@ -9,6 +9,7 @@ use super::program::ProgramAnswer;
 use super::surface_answer::{avoided_mesh, merged, report};
 use super::upload::given_once;
 use crate::cancellation::CancelFlag;
+use crate::file_fault::FileFault;
 use crate::http::codes::RequestFault;
 use crate::http::reading::{Choice, Faulted, Faults, Flag, List, Members, Object, Quantity, Renamed, members};
 use crate::http::wire::{
@@ -112,7 +113,7 @@ impl PathToCheck {
         object: &mut Object<'_, '_>,
         surface: Result<SurfaceWithSource, Faulted>,
         path: Result<StatedPath, Faulted>,
-        avoid_part: Result<Option<SurfaceWithSource>, Faulted>,
+        avoid_part: Option<Result<SurfaceWithSource, FileFault>>,
         faults: &mut Faults,
         cancelled: &CancelFlag,
     ) -> Result<Self, Faulted> {
@@ -139,23 +140,23 @@ impl PathToCheck {
         } = members;
         let path_at = root.member(PATH.name);
         let tolerance = plan_tolerance(tolerance, scallop_height, roughness, &TOLERANCE, &root, faults);
-        // The faults of the cutters are found even if the surface has some.
+        // The faults of what is to be avoided and of the cutters are found even if the surface has some.
+        let avoid = avoid.and_then(|member| given_once(avoid_part, member, faults));
         let path = path.and_then(|path| Ok((PathCutters::of(cutter?, cutters?, &path.program, &root, &path_at, faults)?, path)));
         let (include, old_feeds) = (include?.unwrap_or_else(|| vec![PathPart::Places]), old_feeds?.unwrap_or_default());
         if include.contains(&PathPart::Program) && path.as_ref().is_ok_and(|(_, path)| path.text.is_none()) {
             let detail = "program in include needs the program of a path, not tip_mm";
             return Err(faults.add(&root.member(PATH_INCLUDE.name), RequestFault::ConflictingFields, detail));
         }
-        let avoid = given_once(avoid_part?, avoid?, faults)?;
+        let (requested, mut warnings) = (unit?, Vec::new());
+        let avoid = avoid?.map(|avoid| avoided_mesh(avoid, requested, &mut warnings, faults, &stop)).transpose();
         let (surface, facing) = (surface?, facing?.unwrap_or_default());
         let (selection, max_slope) =
             (select?.unwrap_or_default(), max_slope?.unwrap_or_else(|| Angle::from_radians(DEFAULT_MAX_SLOPE.to_radians())));
-        let requested = unit?;
         let unit = surface.unit_of(requested, faults)?;
         let shape = surface.surface.sampled.shape(unit, facing);
-        let mut warnings = shape.map_or_else(|_| Vec::new(), |shape| surface.warnings(&shape));
+        warnings.extend(shape.map_or_else(|_| Vec::new(), |shape| surface.warnings(&shape)));
         let SurfaceWithSource { surface: ReceivedSurface { mesh, .. }, .. } = surface;
-        let avoid = avoid.map(|avoid| avoided_mesh(avoid, requested, &mut warnings, faults, &stop)).transpose();
         let surface = MachinedFacets::new(mesh, unit, facing, &selection, max_slope, &stop);
         let surface = surface.map_err(|reason| report(reason, &at, faults))?;
         warnings.extend(merged(&surface.mesh));

@@ -4,7 +4,7 @@ use super::checked_path::{PathCheckAnswer, PathCheckMembers, PathToCheck};
 use super::parameters::AVOID;
 use super::path_object::{MOST_POINTS, PATH, StatedPath, read_path_file};
 use super::recommendation::{BYTES_OF_JSON, likely_facets};
-use super::upload::{ABOUT_AVOID, avoided, binary, read_file, read_small};
+use super::upload::{ABOUT_AVOID, binary, read_file, read_small};
 use crate::budget::{Job, LONGEST_WAIT_OF_PLAN};
 use crate::cancellation::CancelFlag;
 use crate::http::app_state::AppState;
@@ -55,7 +55,7 @@ pub(crate) async fn answer(work: Work, body: JsonBody) -> Result<WrittenJson, Pr
         let check = body.read_until(cancelled, |object, faults| {
             let surface = object.required(&SURFACE, faults);
             let path = object.required(&PATH, faults);
-            PathToCheck::read(object, surface, path, Ok(None), faults, cancelled)
+            PathToCheck::read(object, surface, path, None, faults, cancelled)
         })?;
         drop(body);
         written(check, cancelled)
@@ -137,7 +137,6 @@ pub(crate) async fn answer_upload(
         };
         let check = read_text(&parameters, cancelled, |object, found| {
             found.take_in(faults, |pointer| Some(pointer.to_owned()));
-            let avoid = avoided(avoid, found);
             PathToCheck::read(object, surface, path, avoid, found, cancelled)
         })?;
         drop(held);

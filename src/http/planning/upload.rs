@@ -162,7 +162,7 @@ impl Received {
     fn answer(mut self, cancelled: &CancelFlag) -> Result<WrittenJson, Problem> {
         let Some(parameters) = self.parameters.take() else {
             let mut faults = Faults::default();
-            let _ = (self.surface(&mut faults), self.avoid(&mut faults), self.libraries.check(&mut faults));
+            let _ = (self.surface(&mut faults), given_once(self.avoid.take(), None, &mut faults), self.libraries.check(&mut faults));
             let path = JsonPath::Root.member(PARAMETERS);
             faults.add(&path, RequestFault::MissingField, "the part is missing: the cutters and the machine, as JSON");
             return Err(Problem::faulty_request(faults));
@@ -170,11 +170,12 @@ impl Received {
         let task = read_text(&parameters, cancelled, |object, faults| {
             let libraries = std::mem::take(&mut self.libraries);
             let warnings: Vec<_> = libraries.warnings().collect();
-            let parameters = Parameters::read(object, libraries, faults);
+            let mut parameters = Parameters::read(object, libraries, faults);
             let surface = self.surface(faults);
-            let avoid = self.avoid(faults);
+            let member = parameters.as_mut().ok().and_then(|parameters| parameters.avoid.take());
+            let avoid = given_once(self.avoid.take(), member, faults);
             let mut parameters = parameters?;
-            parameters.avoid = given_once(avoid?, parameters.avoid.take(), faults)?;
+            parameters.avoid = avoid?;
             let mut task = Task::new(parameters, surface?, &JsonPath::Root.member(SURFACE.name), faults, &|| cancelled.is_cancelled())?;
             task.warnings.extend(warnings);
             Ok(task)
@@ -195,32 +196,19 @@ impl Received {
             None => Err(faults.add(&path, RequestFault::MissingField, "the part is missing: the file with the surface")),
         }
     }
-
-    /// The surface that is not cut, with the faults of its file recorded.
-    fn avoid(&mut self, faults: &mut Faults) -> Result<Option<SurfaceWithSource>, Faulted> {
-        avoided(self.avoid.take(), faults)
-    }
 }
 
-/// The surface of the part `avoid`, with the faults of its file recorded.
-pub(super) fn avoided(
-    read: Option<Result<SurfaceWithSource, FileFault>>,
-    faults: &mut Faults,
-) -> Result<Option<SurfaceWithSource>, Faulted> {
-    let path = JsonPath::Root.member(AVOID.name);
-    read.transpose().map_err(|fault| faults.add(&path, FileFaultCode::from(fault.kind()), fault))
-}
-
-/// The surface to avoid of the part or of the parameters; that both have one is a fault.
+/// The surface to avoid of a part of the form or of the parameters; that both have one is a fault.
 pub(super) fn given_once(
-    part: Option<SurfaceWithSource>,
+    part: Option<Result<SurfaceWithSource, FileFault>>,
     member: Option<SurfaceWithSource>,
     faults: &mut Faults,
 ) -> Result<Option<SurfaceWithSource>, Faulted> {
+    let path = JsonPath::Root.member(AVOID.name);
     if part.is_some() && member.is_some() {
-        let detail = "avoid is given both as a part and in the parameters";
-        return Err(faults.add(&JsonPath::Root.member(AVOID.name), RequestFault::ConflictingFields, detail));
+        return Err(faults.add(&path, RequestFault::ConflictingFields, "avoid is given both as a part and in the parameters"));
     }
+    let part = part.transpose().map_err(|fault| faults.add(&path, FileFaultCode::from(fault.kind()), fault))?;
     Ok(part.or(member))
 }
 
