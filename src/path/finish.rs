@@ -29,7 +29,7 @@ const AT_ONCE: usize = 256;
 pub struct Finish {
     /// For each place what the cuts and links leave; `None` where none of them comes over it.
     pub left: Vec<Option<Left>>,
-    /// The places that cuts and links cut by more than 2 um and a fifth of the tolerance, those for cuts and the deepest included.
+    /// The places that cuts and links cut by more than 2 um and a fifth of the tolerance, places for cuts and the deepest cut included.
     pub gouges: Vec<Spot>,
     /// The same for rapids.
     pub collisions: Vec<Spot>,

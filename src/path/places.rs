@@ -18,7 +18,7 @@ use rayon::prelude::*;
 /// About how many corners and places on edges are looked at for cuts into the part.
 pub const ON_EDGES: usize = 20_000;
 
-/// How far in mm a place is moved off its facet to tell whether it is seen: one on a wall is under the border of what the wall carries.
+/// How far in mm a place is moved off its facet to tell whether it is seen: a place on a wall is exactly under the border of the top above it.
 const OFF_THE_FACET: f64 = 1e-4;
 
 /// A place on a facet.

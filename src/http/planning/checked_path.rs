@@ -97,7 +97,7 @@ members! {
 /// A path to check.
 pub(super) struct PathToCheck {
     surface: MachinedFacets,
-    /// The facets of the surface and those that are not to be cut, if there are any.
+    /// The facets of the surface and of `avoid` together; `None` without `avoid`.
     with_avoided: Option<Mesh>,
     cutters: PathCutters,
     tolerance: Length,

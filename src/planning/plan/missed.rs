@@ -79,7 +79,7 @@ impl<'a> Missed<'a> {
             let MissedStation { station, judged, .. } = missed;
             let [x, y] = station.axis;
             let touch = workpiece.drop.drop(&profile, x, y, None).filter(|touch| touch.height <= station.tip + height)?;
-            // Where others hold the cutter up, it may leave as much over the place as the path does.
+            // Where other facets hold the cutter up, it may leave as much over the place as the path does.
             let tip = [x, y, touch.height];
             let standing = Milled::new(&prepared.profile, &[Move { from: tip, to: tip, kind: MoveKind::Cut }], stop)?;
             let leaves = standing.left_at(station.place.point, workpiece.targets[station.place.target].normal);

@@ -409,7 +409,7 @@ impl Arranged<'_> {
         }
         let (on, judged) = all.ok_or(NoPlan::NoRuns)?;
         let mut finish = FinishFigures::of(&on, &judged, settings.scallop_height.mm());
-        // Each operation was looked at on the whole part.
+        // The cuts of each operation were looked for on the whole part.
         let deepest = operations.iter().map(|operation| operation.figures.finish.gouge.mm()).fold(finish.gouge.mm(), f64::max);
         finish.gouge = Length::computed(deepest);
         Ok(OperationsPlan { operations, tool_changes: arrangement.tool_changes(), time: Time::computed(seconds), finish })
